@@ -1,0 +1,5 @@
+//! washboard turns what a vehicle feels into what its suspension should do.
+
+pub mod files;
+pub mod linalg;
+pub mod units;

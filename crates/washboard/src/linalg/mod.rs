@@ -1,0 +1,6 @@
+//! Linear algebra: faer's factorisations behind the few names the other layers use, and what control needs that
+//! faer lacks.
+
+mod dense;
+
+pub use dense::{C64, CMat, LinalgError, Mat, eigen, solve, solve_complex, symmetric_eigenvalues};
