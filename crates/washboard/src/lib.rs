@@ -1,5 +1,9 @@
 //! washboard turns what a vehicle feels into what its suspension should do.
 
+pub mod cases;
 pub mod files;
 pub mod linalg;
+pub mod lti;
+pub mod road;
 pub mod units;
+pub mod vehicle;

@@ -3,4 +3,5 @@
 
 mod dense;
 
+pub(crate) use dense::check_finite;
 pub use dense::{C64, CMat, LinalgError, Mat, eigen, solve, solve_complex, symmetric_eigenvalues};

@@ -1,0 +1,5 @@
+//! Published numbers: each test names its source, table and tolerance (the printed digits).
+
+#![allow(clippy::unwrap_used)]
+
+mod modes;
