@@ -5,5 +5,6 @@ pub mod files;
 pub mod linalg;
 pub mod lti;
 pub mod road;
+pub mod signal;
 pub mod units;
 pub mod vehicle;

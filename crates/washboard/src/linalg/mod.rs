@@ -2,6 +2,16 @@
 //! faer lacks.
 
 mod dense;
+mod expm;
+mod lyapunov;
+mod quasi_triangular;
+mod schur;
+#[cfg(test)]
+mod test_matrices;
+mod tiny;
 
 pub(crate) use dense::check_finite;
 pub use dense::{C64, CMat, LinalgError, Mat, eigen, solve, solve_complex, symmetric_eigenvalues};
+pub use expm::expm;
+pub use lyapunov::{EquationSolution, discrete_lyapunov, lyapunov, sylvester};
+pub use schur::RealSchur;
