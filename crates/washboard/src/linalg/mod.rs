@@ -4,6 +4,7 @@
 mod dense;
 mod expm;
 mod lyapunov;
+mod quadrature;
 mod quasi_triangular;
 mod schur;
 #[cfg(test)]
@@ -14,4 +15,5 @@ pub(crate) use dense::check_finite;
 pub use dense::{C64, CMat, LinalgError, Mat, eigen, solve, solve_complex, symmetric_eigenvalues};
 pub use expm::expm;
 pub use lyapunov::{EquationSolution, discrete_lyapunov, lyapunov, sylvester};
+pub use quadrature::{Integral, integrate};
 pub use schur::RealSchur;

@@ -10,6 +10,7 @@ pub use coherence::Coherence;
 pub use filter::{Shapes, ShapingFilter};
 pub use spec::{CoherenceSpec, RoadSpec};
 pub use spectrum::{IsoClass, Spectrum};
+pub(crate) use under_wheels::wheel_spectrum_without_delayed;
 pub use under_wheels::{SAME_TRACK_M, wheel_spectrum};
 
 use thiserror::Error;

@@ -2,10 +2,12 @@
 
 mod body;
 mod bounce_truck;
+mod driven;
 mod full_car;
 mod half_car;
 mod matrices;
 mod quarter_car;
+mod ride;
 mod spec;
 mod truck_cabin;
 mod values;
@@ -15,6 +17,7 @@ pub use full_car::FullCar;
 pub use half_car::{HalfCar, HalfCarVariant};
 pub use matrices::{ActuatorColumn, Matrices, OutputRow, WheelRow};
 pub use quarter_car::QuarterCar;
+pub use ride::{Ride, RideError, Variance};
 pub use spec::{Model, VehicleSpec};
 pub use truck_cabin::{CabinAxle, TruckCabin};
 pub use values::{Axle, LeftRight};

@@ -1,0 +1,5 @@
+//! Invariants and second routes.
+
+#![allow(clippy::unwrap_used)]
+
+mod ride;

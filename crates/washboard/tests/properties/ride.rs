@@ -1,0 +1,137 @@
+//! Two independent routes to every variance: Lyapunov equations with exact delays, and quadrature of spectra.
+
+use std::f64::consts::PI;
+use washboard::cases;
+use washboard::linalg::C64;
+use washboard::road::{Coherence, Road, Shapes, ShapingFilter, Spectrum};
+use washboard::units::Convention;
+use washboard::vehicle::{Output, Ride, Variance, Vehicle};
+
+fn finite(v: &[Variance]) -> Vec<f64> {
+    v.iter().filter_map(|v| v.rms()).collect()
+}
+
+fn both_routes(vehicle: &Vehicle, road: &Road, speed: f64) {
+    let ride = Ride::new(vehicle, road, speed).unwrap();
+    let all: Vec<&Output> = vehicle.outputs().iter().filter(|o| o.u.is_empty()).collect();
+    let exact = ride.variances_by_lyapunov(&all).unwrap().unwrap();
+    let known: Vec<usize> = (0..all.len()).filter(|i| exact[*i].is_some_and(|v| v.rms().is_some())).collect();
+    assert!(known.len() > 3, "{} outputs to compare", known.len());
+    let subset: Vec<&Output> = known.iter().map(|i| all[*i]).collect();
+    let integrated = ride.variances_by_quadrature(&subset).unwrap();
+    for (k, i) in known.iter().enumerate() {
+        let (a, b) = (exact[*i].unwrap().rms().unwrap(), integrated[k].rms().unwrap());
+        // the promise is 1e-6
+        assert!(a == b || (a / b - 1.0).abs() < 1e-6, "{}: {a} by Lyapunov, {b} by quadrature", all[*i].name);
+    }
+}
+
+#[test]
+fn lyapunov_and_quadrature_agree_on_rational_roads() {
+    let full = cases::vehicle("guiggiani-full-car").unwrap(); // damped tires, exact delays
+    let half = cases::vehicle("turkay-half-car").unwrap();
+    let quarter = cases::vehicle("turkay-quarter-car").unwrap();
+    let white = Spectrum::white_velocity(1.4e-4).unwrap();
+    let first = Spectrum::first_order(0.0195, 0.0572).unwrap();
+    let second = Spectrum::Filter(
+        ShapingFilter::from_zeros_poles(
+            &[C64::new(-0.9, 0.0)],
+            &[C64::new(-0.04, 0.1), C64::new(-0.04, -0.1), C64::new(-3.0, 0.0)],
+            0.01,
+            Shapes::Height,
+            true,
+        )
+        .unwrap(),
+    );
+    for coherence in [Coherence::Independent, Coherence::Full, Coherence::None] {
+        both_routes(&full, &Road::new(white.clone(), coherence), 20.0);
+        both_routes(&half, &Road::new(first.clone(), coherence), 13.0);
+    }
+    both_routes(&full, &Road::new(first.clone(), Coherence::None), 31.0);
+    both_routes(&full, &Road::new(second, Coherence::Full), 25.0);
+    both_routes(&quarter, &Road::new(first, Coherence::Full), 20.0);
+}
+
+/// Levels against an independent quadrature of the quarter car's textbook transfer functions, in both conventions:
+/// Simpson's rule over ν with the convention's own definition of variance.
+#[test]
+fn absolute_levels_hold_in_both_conventions() {
+    let vehicle = cases::vehicle("turkay-quarter-car").unwrap();
+    let (ms, mu, ks, cs, kt) = (240.0, 36.0, 16e3, 980.0, 160e3);
+    let (s0, v, band, e) = (16e-6, 20.0, [0.063, 17.77], 2.2);
+    let acceleration = |omega: f64| {
+        let s = C64::new(0.0, omega);
+        let k = s * cs + C64::new(ks, 0.0);
+        let det = (s * s * ms + k) * (s * s * mu + k + C64::new(kt, 0.0)) - k * k;
+        (s * s * k * kt / det).norm_sqr()
+    };
+    // var = ∫ G |H|² dν for one-sided-rad-per-m
+    let n = 400_000;
+    let h = (band[1] - band[0]) / f64::from(n);
+    let mut one_sided = 0.0;
+    for i in 0..=n {
+        let nu = band[0] + h * f64::from(i);
+        let weight = if i == 0 || i == n {
+            1.0
+        } else if i % 2 == 1 {
+            4.0
+        } else {
+            2.0
+        };
+        one_sided += weight * s0 * nu.powf(-e) * acceleration(nu * v);
+    }
+    one_sided *= h / 3.0;
+    let rms = |convention| {
+        let road = Road::new(Spectrum::power_law(s0, 1.0, e, band, convention).unwrap(), Coherence::Full);
+        let ride = Ride::new(&vehicle, &road, v).unwrap();
+        finite(&ride.variances(&[vehicle.output("sprung_acceleration").unwrap()]).unwrap())[0]
+    };
+    assert!((rms(Convention::OneSidedRadPerM) / one_sided.sqrt() - 1.0).abs() < 1e-8);
+    // "paper": S(ω) = G/V itself, var = (1/π)∫S dω = (1/π)∫G dν
+    assert!((rms(Convention::Paper) / (one_sided / PI).sqrt() - 1.0).abs() < 1e-8);
+}
+
+#[test]
+fn the_covariance_function_is_that_of_its_spectrum() {
+    let vehicle = cases::vehicle("guiggiani-full-car").unwrap();
+    let names = ["heave_acceleration", "suspension_travel_rear_left", "body_acceleration_front_right"];
+    let outputs: Vec<&Output> = names.iter().map(|n| vehicle.output(n).unwrap()).collect();
+    // rational with delays: e^{Aτ}P against the integral of the same road entered as a table of many points
+    let first = Spectrum::first_order(0.0195, 0.0572).unwrap();
+    let road = Road::new(first.clone(), Coherence::Full);
+    let nu: Vec<f64> = (0..4000).map(|i| 1e-4 * 1.004_f64.powi(i)).collect();
+    let density = nu.iter().map(|nu| first.psd(nu * 20.0, 20.0) * 20.0).collect();
+    let table = Spectrum::table(nu, density, Convention::Paper).unwrap();
+    let tabulated = Road::new(table, Coherence::Full);
+    let exact = Ride::new(&vehicle, &road, 20.0).unwrap();
+    let direct = Ride::new(&vehicle, &tabulated, 20.0).unwrap();
+    let size = exact.covariance(&outputs, 0.0).unwrap();
+    for lag in [0.0, 0.07, 0.133, -0.4, 1.5] {
+        let (a, b) = (exact.covariance(&outputs, lag).unwrap(), direct.covariance(&outputs, lag).unwrap());
+        for i in 0..3 {
+            for j in 0..3 {
+                let scale = (size[(i, i)] * size[(j, j)]).sqrt();
+                assert!(
+                    (a[(i, j)] - b[(i, j)]).abs() < 3e-5 * scale,
+                    "lag {lag} [{i}{j}] {} {}",
+                    a[(i, j)],
+                    b[(i, j)]
+                );
+            }
+        }
+    }
+    // R_ij(τ) = R_ji(−τ)
+    let (plus, minus) = (exact.covariance(&outputs, 0.2).unwrap(), exact.covariance(&outputs, -0.2).unwrap());
+    assert!((plus[(0, 1)] - minus[(1, 0)]).abs() < 1e-12 * size[(0, 0)].sqrt());
+}
+
+#[test]
+fn an_undamped_vehicle_and_a_standing_one_are_refused() {
+    let mut spec = cases::vehicle_spec("turkay-quarter-car").unwrap();
+    let road = cases::road("iso8608-c").unwrap();
+    let vehicle = spec.build_alone().unwrap();
+    assert!(Ride::new(&vehicle, &road, 0.0).is_err() && Ride::new(&vehicle, &road, f64::NAN).is_err());
+    spec.quarter_car.as_mut().unwrap().suspension_damping_n_s_per_m = 0.0;
+    let undamped = spec.build_alone().unwrap();
+    assert!(Ride::new(&undamped, &road, 20.0).is_err());
+}
