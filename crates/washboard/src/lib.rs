@@ -2,6 +2,7 @@
 
 pub mod cases;
 pub mod files;
+pub mod identify;
 pub mod linalg;
 pub mod lti;
 pub mod road;

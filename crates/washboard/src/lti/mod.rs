@@ -3,7 +3,9 @@
 mod mechanics;
 mod modal;
 mod modes;
+mod wheeled;
 
 pub use mechanics::{MechanicsError, SecondOrder};
 pub use modal::ModalForm;
 pub use modes::{Mode, ModeKind, modes};
+pub use wheeled::{Parametric, WheeledSystem};

@@ -298,3 +298,19 @@ impl Vehicle {
             .collect()
     }
 }
+
+impl Vehicle {
+    /// The vehicle as identification sees it, with sensor rows over q (sensors × n).
+    ///
+    /// # Errors
+    /// Rows of another length.
+    pub fn wheeled(&self, rows: Mat) -> Result<crate::lti::WheeledSystem, MechanicsError> {
+        crate::lti::WheeledSystem::new(
+            self.system.clone(),
+            self.wheel_stiffness.clone(),
+            self.wheel_damping.clone(),
+            self.wheel_places(),
+            rows,
+        )
+    }
+}

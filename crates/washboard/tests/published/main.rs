@@ -2,5 +2,6 @@
 
 #![allow(clippy::unwrap_used)]
 
+mod interaction;
 mod modes;
 mod ride;

@@ -1,0 +1,3 @@
+//! Identification of vehicles and roads from responses alone.
+
+pub mod interaction;
