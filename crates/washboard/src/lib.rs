@@ -2,4 +2,5 @@
 
 pub mod files;
 pub mod linalg;
+pub mod signal;
 pub mod units;
