@@ -39,7 +39,8 @@ impl Clock {
     ///
     /// Where most samples share no stamp the period is the median step, refined by a line through the unwrapped
     /// stamps; otherwise the median slope of sixteenths of the recording, refined by a line through the earliest
-    /// stamps between losses: fewer than half of the sixteenths may have lost samples.
+    /// stamps between losses: fewer than half of the sixteenths may have lost samples. A stall that
+    /// cost a broken number of periods is rounded to whole samples; the period does not suffer from it.
     ///
     /// # Errors
     /// Fewer than 16 stamps; stamps that run backwards or are not finite; stamps that are all equal.
@@ -56,7 +57,10 @@ impl Clock {
             }
         }
         let ticks = ticks(n, &missing);
-        let period = earliest_slope(stamps_s, &ticks, period);
+        if single.is_some() {
+            // whole ticks are sure here; behind bursts a stall may have cost a broken number of them
+            period = earliest_slope(stamps_s, &ticks, period);
+        }
         let offsets: Vec<f64> = (0..n).map(|i| stamps_s[i] - period * ticks[i]).collect();
         let earliest = quantile(&offsets, 0.01);
         let delays: Vec<f64> = offsets.iter().map(|o| o - earliest).collect();
