@@ -13,6 +13,10 @@ use super::SignalError;
 
 /// Fewer stamps do not show a clock.
 const MIN_STAMPS: usize = 16;
+/// No clock shows more: thirty million years.
+const LATEST_S: f64 = 1e15;
+/// More lost samples are as many as these: a bound for the arithmetic.
+const MOST_LOST: f64 = 1e12;
 /// The passes: by which share the period is taken too small, so that the offset's steps at losses cannot be levelled, and
 /// from which rise (in periods, within one cluster of steps) a loss is believed. The period is rough in the first.
 const PASSES: [(f64, f64); 4] = [(3e-3, 1.5), (5e-4, 0.9), (1e-4, 0.75), (5e-5, 0.75)];
@@ -84,9 +88,9 @@ pub(super) fn check(stamps_s: &[f64]) -> Result<(), SignalError> {
     if stamps_s.len() < MIN_STAMPS {
         return Err(SignalError::TooShort { what: "a time base", needed: MIN_STAMPS, found: stamps_s.len() });
     }
-    if let Some(index) = stamps_s.iter().position(|t| !t.is_finite()) {
+    if let Some(index) = stamps_s.iter().position(|t| !(t.abs() <= LATEST_S)) {
         let found = stamps_s[index].to_string();
-        return Err(SignalError::Stamps { expected: "finite numbers", found, index });
+        return Err(SignalError::Stamps { expected: "finite numbers up to 1e15 s", found, index });
     }
     if let Some(i) = stamps_s.windows(2).position(|w| w[1] < w[0]) {
         let found = format!("{} after {}", stamps_s[i + 1], stamps_s[i]);
@@ -179,7 +183,7 @@ fn losses(stamps: &[f64], period: f64, least: f64) -> Vec<(usize, usize)> {
                 let count = f64::round(sum) - placed;
                 if count >= 1.0 {
                     placed += count;
-                    found.push((*after, count as usize));
+                    found.push((*after, count.min(MOST_LOST) as usize));
                 }
             }
         }

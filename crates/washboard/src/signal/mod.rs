@@ -17,6 +17,7 @@ mod clock;
 mod condition;
 mod csv;
 mod decimate;
+mod declared;
 mod description;
 mod error;
 mod npy;
