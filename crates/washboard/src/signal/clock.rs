@@ -88,7 +88,7 @@ pub(super) fn check(stamps_s: &[f64]) -> Result<(), SignalError> {
     if stamps_s.len() < MIN_STAMPS {
         return Err(SignalError::TooShort { what: "a time base", needed: MIN_STAMPS, found: stamps_s.len() });
     }
-    if let Some(index) = stamps_s.iter().position(|t| !(t.abs() <= LATEST_S)) {
+    if let Some(index) = stamps_s.iter().position(|t| t.is_nan() || t.abs() > LATEST_S) {
         let found = stamps_s[index].to_string();
         return Err(SignalError::Stamps { expected: "finite numbers up to 1e15 s", found, index });
     }

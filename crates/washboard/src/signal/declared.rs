@@ -27,7 +27,7 @@ pub(super) fn check(d: &RecordingDescription, path: &Path) -> Result<(), SignalE
         let expected = "a unit (m/s, km/h, knots, mph) with speed_column or speed_file, and only there";
         return fail("speed_unit", expected, if measured { "none" } else { "one without them" });
     }
-    if let Some([a, b]) = d.span_s.filter(|[a, b]| !(a < b)) {
+    if let Some([a, b]) = d.span_s.filter(|[a, b]| a.is_nan() || b.is_nan() || a >= b) {
         return fail("span_s", "two times in s, ascending", &format!("[{a}, {b}]"));
     }
     if let Some(c) = d.delimiter.filter(|c| !c.is_ascii() || *c == '"' || *c == '\n' || *c == '\r') {

@@ -97,7 +97,7 @@ mod tests {
         t[5] = t[4];
         assert!(lay_by_instants(&t, &[]).unwrap_err().to_string().contains("at sample 5"));
         let t: Vec<f64> = (0..100).map(|k| 0.01 * f64::from(k) + if k < 30 { 0.0 } else { 5.0 }).collect();
-        let laid = lay_by_instants(&t, &[t.clone()]).unwrap();
+        let laid = lay_by_instants(&t, std::slice::from_ref(&t)).unwrap();
         assert_eq!(laid.repairs[0].what, RepairKind::PieceUsed);
         assert!((laid.start_s - 5.3).abs() < 1e-12 && laid.columns[0].len() >= 69);
     }
