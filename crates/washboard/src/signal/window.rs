@@ -112,6 +112,8 @@ mod tests {
         let w = HannWindow::new(4096);
         // without overlap every segment counts
         assert!((w.independent_segments(50, 4096) - 50.0).abs() < 1e-12);
+        // two of them at half overlap: 2²/(2 + 2ρ²)
+        assert!((w.independent_segments(2, 2048) - 4.0 / (2.0 + 2.0 / 36.0)).abs() < 1e-12);
         // half overlap: ρ = 1/6; three quarters: ρ = .6592, 1/6, .0075
         let many = 1_000_000;
         let half = many as f64 / w.independent_segments(many, 2048);
