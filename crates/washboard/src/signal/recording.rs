@@ -1,0 +1,359 @@
+//! A drive as data: channels of equal length on one uniform clock, in SI, along positive axes.
+
+use super::error::suggest;
+use super::{Channel, Repair, SignalError, WheelPlace, decimate};
+
+/// Samples of every channel, with what is needed to read them right.
+///
+/// | what | unit |
+/// |---|---|
+/// | `samples()[i][k]` | channel i at time k/rate: m, m/s, m/s² or rad/s by the channel's quantity |
+/// | direction | always +x, +y or +z: a channel declared `-z` is stored with its sign turned |
+/// | `rate_hz` | samples per second, the same for all channels |
+/// | `speed_m_s` | mean forward speed, where it is known |
+///
+/// Values that break these rules cannot be built: see [`Recording::new`].
+#[derive(Debug, Clone, PartialEq)]
+pub struct Recording {
+    rate_hz: f64,
+    speed_m_s: Option<f64>,
+    speed_spread_m_s: Option<f64>,
+    wheels: Vec<WheelPlace>,
+    channels: Vec<Channel>,
+    samples: Vec<Vec<f64>>,
+    repairs: Vec<Repair>,
+}
+
+impl Recording {
+    /// A recording from samples as measured: in SI, along each channel's declared direction (the sign of a `-z` channel
+    /// is turned here, and its direction becomes `+z`).
+    ///
+    /// # Errors
+    /// A rate or speed that is not positive and finite; no channel; numbers of channels and series, or lengths of
+    /// series, that differ; a sample that is not finite; a name used twice; a wheel that does not exist.
+    pub fn new(
+        rate_hz: f64,
+        speed_m_s: Option<f64>,
+        wheels: Vec<WheelPlace>,
+        mut channels: Vec<Channel>,
+        mut samples: Vec<Vec<f64>>,
+    ) -> Result<Self, SignalError> {
+        positive("rate_hz", rate_hz)?;
+        if let Some(speed) = speed_m_s {
+            positive("speed_m_s", speed)?;
+        }
+        check_channels(&wheels, &channels)?;
+        check_samples(&channels, &samples)?;
+        for (channel, series) in channels.iter_mut().zip(&mut samples) {
+            if channel.direction.sign() < 0.0 {
+                series.iter_mut().for_each(|x| *x = -*x);
+            }
+            channel.direction = channel.direction.positive();
+        }
+        let repairs = Vec::new();
+        Ok(Recording { rate_hz, speed_m_s, speed_spread_m_s: None, wheels, channels, samples, repairs })
+    }
+
+    /// The same recording with the standard deviation of its speed, in m/s.
+    ///
+    /// # Errors
+    /// A spread that is negative or not finite.
+    pub fn with_speed_spread(mut self, spread_m_s: f64) -> Result<Self, SignalError> {
+        if !(spread_m_s >= 0.0 && spread_m_s.is_finite()) {
+            let expected = "a finite number that is not negative";
+            return Err(SignalError::Value { name: "speed_spread_m_s", expected, found: spread_m_s });
+        }
+        self.speed_spread_m_s = Some(spread_m_s);
+        Ok(self)
+    }
+
+    /// The same recording with more repairs noted.
+    #[must_use]
+    pub fn with_repairs(mut self, repairs: impl IntoIterator<Item = Repair>) -> Self {
+        self.repairs.extend(repairs);
+        self
+    }
+
+    /// Samples per second.
+    #[must_use]
+    pub fn rate_hz(&self) -> f64 {
+        self.rate_hz
+    }
+
+    /// Mean forward speed in m/s, where known.
+    #[must_use]
+    pub fn speed_m_s(&self) -> Option<f64> {
+        self.speed_m_s
+    }
+
+    /// Standard deviation of the speed in m/s, where it was measured.
+    #[must_use]
+    pub fn speed_spread_m_s(&self) -> Option<f64> {
+        self.speed_spread_m_s
+    }
+
+    /// The wheels that channels refer to.
+    #[must_use]
+    pub fn wheels(&self) -> &[WheelPlace] {
+        &self.wheels
+    }
+
+    /// What each series is.
+    #[must_use]
+    pub fn channels(&self) -> &[Channel] {
+        &self.channels
+    }
+
+    /// One series a channel.
+    #[must_use]
+    pub fn samples(&self) -> &[Vec<f64>] {
+        &self.samples
+    }
+
+    /// What was done to the file's data on the way here.
+    #[must_use]
+    pub fn repairs(&self) -> &[Repair] {
+        &self.repairs
+    }
+
+    /// Samples in each channel.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.samples[0].len()
+    }
+
+    /// Never true: a recording without samples cannot be built.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// Number of samples over rate, in s.
+    #[must_use]
+    pub fn duration_s(&self) -> f64 {
+        self.len() as f64 / self.rate_hz
+    }
+
+    /// Where a channel sits among the channels.
+    ///
+    /// # Errors
+    /// A name that no channel has, with the nearest one.
+    pub fn channel_index(&self, name: &str) -> Result<usize, SignalError> {
+        self.channels.iter().position(|c| c.name == name).ok_or_else(|| SignalError::UnknownChannel {
+            name: name.to_owned(),
+            nearest: suggest(name, self.channels.iter().map(|c| c.name.as_str())),
+        })
+    }
+
+    /// The recording with these channels only, in this order.
+    ///
+    /// # Errors
+    /// A name that no channel has; a name given twice; no name.
+    pub fn select(&self, names: &[&str]) -> Result<Self, SignalError> {
+        let indices = names.iter().map(|n| self.channel_index(n)).collect::<Result<Vec<_>, _>>()?;
+        let chosen = self.with_indices(&indices);
+        check_channels(&chosen.wheels, &chosen.channels)?;
+        Ok(chosen)
+    }
+
+    /// The recording with the channels that satisfy a condition.
+    ///
+    /// # Errors
+    /// No channel satisfies it.
+    pub fn select_where(&self, keep: impl Fn(&Channel) -> bool) -> Result<Self, SignalError> {
+        let indices: Vec<usize> = (0..self.channels.len()).filter(|&i| keep(&self.channels[i])).collect();
+        let chosen = self.with_indices(&indices);
+        check_channels(&chosen.wheels, &chosen.channels)?;
+        Ok(chosen)
+    }
+
+    /// The part from `start_s` to `end_s`, both counted from the first sample.
+    ///
+    /// # Errors
+    /// A part that holds no sample.
+    pub fn between(&self, start_s: f64, end_s: f64) -> Result<Self, SignalError> {
+        let index = |t: f64| ((t * self.rate_hz).ceil().max(0.0) as usize).min(self.len());
+        let (first, end) = (index(start_s), index(end_s));
+        if first >= end {
+            return Err(SignalError::TooShort { what: "a part of a recording", needed: 1, found: 0 });
+        }
+        Ok(self.with_samples(self.rate_hz, |x| x[first..end].to_vec()))
+    }
+
+    /// The recording without each channel's mean and linear trend (least squares).
+    #[must_use]
+    pub fn detrended(&self) -> Self {
+        self.with_samples(self.rate_hz, detrend)
+    }
+
+    /// Every `factor`-th sample after a linear-phase low-pass whose delay is taken out (zero phase).
+    ///
+    /// With f_N the new Nyquist frequency: flat within 10⁻⁴ up to [`PASSBAND`](super::PASSBAND) f_N; what would fold
+    /// into that band (above [`STOPBAND`](super::STOPBAND) f_N) is lowered by 80 dB. No sample is invented beyond the
+    /// ends: the result starts and stops half a filter inside, 13 of its own samples on either side.
+    ///
+    /// # Errors
+    /// A factor of 0; a recording shorter than the filter.
+    pub fn decimated(&self, factor: usize) -> Result<Self, SignalError> {
+        if factor == 1 {
+            return Ok(self.clone());
+        }
+        let taps = decimate::filter(factor)?;
+        if self.len() < taps.len() {
+            return Err(SignalError::TooShort { what: "decimation", needed: taps.len(), found: self.len() });
+        }
+        Ok(self.with_samples(self.rate_hz / factor as f64, |x| decimate::apply(&taps, factor, x)))
+    }
+
+    fn with_samples(&self, rate_hz: f64, change: impl Fn(&[f64]) -> Vec<f64>) -> Self {
+        Recording {
+            rate_hz,
+            speed_m_s: self.speed_m_s,
+            speed_spread_m_s: self.speed_spread_m_s,
+            wheels: self.wheels.clone(),
+            channels: self.channels.clone(),
+            samples: self.samples.iter().map(|x| change(x)).collect(),
+            repairs: self.repairs.clone(),
+        }
+    }
+
+    fn with_indices(&self, indices: &[usize]) -> Self {
+        Recording {
+            rate_hz: self.rate_hz,
+            speed_m_s: self.speed_m_s,
+            speed_spread_m_s: self.speed_spread_m_s,
+            wheels: self.wheels.clone(),
+            channels: indices.iter().map(|&i| self.channels[i].clone()).collect(),
+            samples: indices.iter().map(|&i| self.samples[i].clone()).collect(),
+            repairs: self.repairs.clone(),
+        }
+    }
+}
+
+fn positive(name: &'static str, found: f64) -> Result<(), SignalError> {
+    if found > 0.0 && found.is_finite() {
+        Ok(())
+    } else {
+        Err(SignalError::Value { name, expected: "a positive finite number", found })
+    }
+}
+
+fn check_channels(wheels: &[WheelPlace], channels: &[Channel]) -> Result<(), SignalError> {
+    if channels.is_empty() {
+        return Err(SignalError::NoChannel { why: "a recording needs at least one".to_owned() });
+    }
+    let mut names = std::collections::BTreeSet::new();
+    for channel in channels {
+        if !names.insert(&channel.name) {
+            return Err(SignalError::DuplicateChannel { name: channel.name.clone() });
+        }
+        if let Some(index) = channel.wheel.filter(|w| *w >= wheels.len()) {
+            let (channel, wheels) = (channel.name.clone(), wheels.len());
+            return Err(SignalError::Wheel { channel, index, wheels });
+        }
+    }
+    let places = wheels.iter().map(|w| w.at_m).chain(channels.iter().filter_map(|c| c.at_m));
+    match places.flatten().find(|x| !x.is_finite()) {
+        Some(found) => Err(SignalError::Value { name: "at_m", expected: "a finite number", found }),
+        None => Ok(()),
+    }
+}
+
+fn check_samples(channels: &[Channel], samples: &[Vec<f64>]) -> Result<(), SignalError> {
+    if channels.len() != samples.len() {
+        let what = "series, one a channel".to_owned();
+        return Err(SignalError::Length { what, expected: channels.len(), found: samples.len() });
+    }
+    let len = samples[0].len();
+    if len == 0 {
+        return Err(SignalError::TooShort { what: "a recording", needed: 1, found: 0 });
+    }
+    for (channel, series) in channels.iter().zip(samples) {
+        if series.len() != len {
+            let what = format!("samples of channel `{}`", channel.name);
+            return Err(SignalError::Length { what, expected: len, found: series.len() });
+        }
+        if let Some(index) = series.iter().position(|x| !x.is_finite()) {
+            let (channel, value) = (channel.name.clone(), series[index]);
+            return Err(SignalError::NotFinite { channel, index, value });
+        }
+    }
+    Ok(())
+}
+
+/// x − (mean + slope·(k − k̄)), with slope = Σ (k − k̄) x / Σ (k − k̄)².
+fn detrend(x: &[f64]) -> Vec<f64> {
+    let n = x.len() as f64;
+    let centre = (n - 1.0) / 2.0;
+    let mean = x.iter().sum::<f64>() / n;
+    let moment: f64 = x.iter().enumerate().map(|(k, v)| (k as f64 - centre) * (v - mean)).sum();
+    let square = n * (n * n - 1.0) / 12.0;
+    let slope = if square > 0.0 { moment / square } else { 0.0 };
+    x.iter().enumerate().map(|(k, v)| v - mean - slope * (k as f64 - centre)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{Direction, Place, Quantity};
+    use super::*;
+
+    fn channel(name: &str, direction: Direction) -> Channel {
+        let (quantity, place) = (Quantity::Acceleration, Place::Body);
+        Channel { name: name.to_owned(), quantity, direction, place, wheel: None, at_m: None }
+    }
+
+    fn two(samples: Vec<Vec<f64>>) -> Result<Recording, SignalError> {
+        let channels = vec![channel("a", Direction::PlusZ), channel("b", Direction::MinusZ)];
+        Recording::new(100.0, Some(20.0), vec![], channels, samples)
+    }
+
+    #[test]
+    fn a_downward_channel_is_stored_upward() {
+        let r = two(vec![vec![1.0, 2.0], vec![1.0, 2.0]]).unwrap();
+        assert_eq!(r.samples()[0], [1.0, 2.0]);
+        assert_eq!(r.samples()[1], [-1.0, -2.0]);
+        assert_eq!(r.channels()[1].direction, Direction::PlusZ);
+        assert_eq!(r.select(&["b"]).unwrap().samples()[0], [-1.0, -2.0]);
+        assert!((r.duration_s() - 0.02).abs() < 1e-15);
+    }
+
+    #[test]
+    fn what_breaks_the_rules_cannot_be_built() {
+        let message = |r: Result<Recording, SignalError>| r.unwrap_err().to_string();
+        assert!(message(two(vec![vec![1.0, 2.0], vec![1.0]])).contains("`b`: expected 2, found 1"));
+        assert!(message(two(vec![vec![1.0], vec![f64::NAN]])).contains("`b`: sample 0 is NaN"));
+        assert!(message(two(vec![vec![1.0]])).contains("expected 2, found 1"));
+        assert!(message(two(vec![vec![], vec![]])).contains("at least 1"));
+        let one = || vec![channel("a", Direction::PlusZ)];
+        assert!(Recording::new(0.0, None, vec![], one(), vec![vec![1.0]]).is_err());
+        assert!(Recording::new(f64::NAN, None, vec![], one(), vec![vec![1.0]]).is_err());
+        assert!(Recording::new(1.0, Some(-1.0), vec![], one(), vec![vec![1.0]]).is_err());
+        assert!(Recording::new(1.0, None, vec![], vec![], vec![]).is_err());
+        let twice = vec![channel("a", Direction::PlusZ), channel("a", Direction::PlusZ)];
+        assert!(Recording::new(1.0, None, vec![], twice, vec![vec![1.0]; 2]).is_err());
+        let mut at_wheel = one();
+        at_wheel[0].wheel = Some(0);
+        assert!(Recording::new(1.0, None, vec![], at_wheel, vec![vec![1.0]]).is_err());
+    }
+
+    #[test]
+    fn selection_suggests_and_cuts_where_asked() {
+        let r = two(vec![(0..100).map(f64::from).collect(), vec![0.5; 100]]).unwrap();
+        assert!(matches!(r.select(&["a", "a"]), Err(SignalError::DuplicateChannel { .. })));
+        assert!(r.select(&["bb"]).is_err() && r.select_where(|_| false).is_err());
+        let part = r.between(0.1, 0.3).unwrap();
+        assert_eq!((part.len(), part.samples()[0][0]), (20, 10.0));
+        assert!(r.between(2.0, 3.0).is_err());
+    }
+
+    #[test]
+    fn detrending_leaves_nothing_of_a_line_and_all_of_what_is_orthogonal_to_one() {
+        let line: Vec<f64> = (0..101).map(|k| 3.0 - 0.2 * f64::from(k)).collect();
+        let hump: Vec<f64> = (0..101).map(|k| (f64::from(k) - 50.0).powi(2)).collect();
+        let mean = hump.iter().sum::<f64>() / 101.0;
+        let sum: Vec<f64> = line.iter().zip(&hump).map(|(a, b)| a + b).collect();
+        let r = two(vec![line, sum]).unwrap().detrended();
+        assert!(r.samples()[0].iter().all(|x| x.abs() < 1e-12));
+        assert!(r.samples()[1].iter().zip(&hump).all(|(x, h)| (x + h - mean).abs() < 1e-9));
+    }
+}
