@@ -1,7 +1,9 @@
 //! Identification: from recorded channels alone to modes, with the reason of everything that is left out.
 
+mod harmonics;
 mod ssi;
 
+pub use harmonics::{Family, Line, LineError, LineSettings, spectral_lines};
 pub use ssi::{
     Mode, Pole, PoleStatus, Reason, Rejected, ShapeComponent, SsiError, SsiOutcome, SsiSettings,
     StabilizationDiagram, ssi_cov,
