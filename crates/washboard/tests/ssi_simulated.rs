@@ -139,6 +139,10 @@ fn every_pole_is_accounted_for() {
             .filter(|p| p.order == *order && (p.pole[1] / RATE_HZ - std::f64::consts::PI).abs() < 1e-12);
         assert_eq!(degree - folded.count(), *order, "order {order}");
     }
+    let json = serde_json::to_string(&outcome).unwrap();
+    assert!(!json.contains("null"), "a number that JSON can't say");
+    let back: SsiOutcome = serde_json::from_str(&json).unwrap();
+    assert_eq!((back.modes.len(), back.rejected.len()), (outcome.modes.len(), outcome.rejected.len()));
     assert!(outcome.rejected.iter().all(|r| r.poles > 0 && !r.why.is_empty() && r.freq_hz.is_finite()));
 }
 

@@ -39,7 +39,7 @@ pub struct Pole {
     /// The mode shape at the channels, as [re, im], of norm one.
     pub shape: Vec<[f64; 2]>,
     /// How far the pole's part of the spectrum at its frequency stands above the sampling error of the spectrum
-    /// there, in standard deviations.
+    /// there, in standard deviations; 0 for one that does not decay.
     pub significance: f64,
     /// Stable, or why not.
     pub status: PoleStatus,
@@ -118,6 +118,9 @@ impl Parts {
     /// equivalent bandwidth πζf, but no narrower than the lags resolve.
     fn significance(&self, k: usize, damping: f64, freq_hz: f64, record: &Record) -> f64 {
         let Some(inputs) = &self.inputs else { return 0.0 };
+        if self.values[k].norm() >= 1.0 {
+            return 0.0; // its part has no spectrum
+        }
         let (n, channels) = (self.values.len(), self.shapes.nrows());
         let at = C64::new(0.0, self.values[k].arg()).exp();
         // Σ_k (1 − k/L) r^k over the lags used: what they can show of a pole, which may ring far beyond them
@@ -138,7 +141,8 @@ impl Parts {
         let resolved = BARTLETT * record.rate_hz / record.lags as f64;
         let bandwidth = (std::f64::consts::PI * damping.abs() * freq_hz).max(resolved);
         let averages = bandwidth * record.samples as f64 / record.rate_hz;
-        (part / whole.max(f64::MIN_POSITIVE) * averages).sqrt()
+        let sigmas = (part / whole.max(f64::MIN_POSITIVE) * averages).sqrt();
+        if sigmas.is_finite() { sigmas } else { 0.0 } // eigenvectors that are nearly dependent
     }
 }
 
