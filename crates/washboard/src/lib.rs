@@ -7,5 +7,6 @@ pub mod linalg;
 pub mod lti;
 pub mod road;
 pub mod signal;
+pub mod study;
 pub mod units;
 pub mod vehicle;

@@ -1,0 +1,311 @@
+//! What an identification found, as it is written to `result.json`.
+
+use crate::signal::Repair;
+use serde::{Deserialize, Serialize};
+
+/// The result of `identify` (and, with [`IdentifyOutcome::truth`], of `demo`). Frequencies in Hz, damping as a ratio,
+/// spectra one-sided per Hz in the channel's SI unit squared.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct IdentifyOutcome {
+    /// Whether the method ended with success; false goes with flags that say why.
+    pub converged: bool,
+    /// `physical`, `ssi` …
+    pub method: String,
+    /// What a reader must know before the numbers, in words.
+    pub flags: Vec<Flag>,
+    /// The modes, ascending in frequency.
+    pub modes: Vec<IdentifiedMode>,
+    /// The road's roughness, where the method finds it.
+    pub road: Option<IdentifiedRoad>,
+    /// The coherence of left and right tracks, where the method finds it.
+    pub coherence: Option<IdentifiedCoherence>,
+    /// Delay of the rear axle behind the front one, s, where a speed is known.
+    pub delay_s: Option<f64>,
+    /// Its standard deviation, s.
+    pub delay_sd_s: Option<f64>,
+    /// Noise floor of each channel.
+    pub noise: Vec<ChannelNoise>,
+    /// What was found and left out, and why.
+    pub rejected: Vec<RejectedMode>,
+    /// Narrow spectral lines (rotating parts, limit cycles): not modes.
+    #[serde(default)]
+    pub lines: Vec<SpectralLine>,
+    /// The vehicle's fitted parameters (`physical`).
+    #[serde(default)]
+    pub parameters: Vec<FittedParameter>,
+    /// How good the fit is (`physical`).
+    #[serde(default)]
+    pub fit: Option<FitQuality>,
+    /// What was recorded, and what was repaired.
+    pub recording: RecordingSummary,
+    /// Measured and fitted spectra.
+    pub spectra: SpectraPlot,
+    /// All poles at all orders (`ssi`).
+    #[serde(default)]
+    pub stabilization: Vec<StabilizationPole>,
+    /// What is known of a simulated drive, for comparison: `demo` only, `identify` never sees it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub truth: Option<Truth>,
+}
+
+/// A warning in words, with a name to script against.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Flag {
+    /// `not-converged`, `misfit`, `not-identifiable`, `no-speed` …
+    pub name: String,
+    /// A sentence with the numbers.
+    pub text: String,
+}
+
+/// One mode.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct IdentifiedMode {
+    /// |λ|/2π.
+    pub freq_hz: f64,
+    /// Its standard deviation, where the method gives one.
+    pub freq_sd_hz: Option<f64>,
+    /// −Re λ/|λ|.
+    pub damping: f64,
+    /// Its standard deviation.
+    pub damping_sd: Option<f64>,
+    /// λ as [re, im], 1/s.
+    pub pole: [f64; 2],
+    /// The shape at degrees of freedom (`physical`) or channels (`ssi`), largest component 1.
+    pub shape: Vec<ShapeValue>,
+    /// The motion that it resembles.
+    pub label: String,
+}
+
+/// One component of a shape.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct ShapeValue {
+    /// Degree of freedom or channel.
+    pub dof: String,
+    /// Real part.
+    pub re: f64,
+    /// Imaginary part.
+    pub im: f64,
+}
+
+/// The road: G(ν) = roughness (ν/1 rad/m)^−exponent in `convention`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct IdentifiedRoad {
+    /// At 1 rad/m, m³.
+    pub roughness_m3: f64,
+    /// Standard deviation.
+    pub roughness_sd_m3: f64,
+    /// e.
+    pub exponent: f64,
+    /// Standard deviation.
+    pub exponent_sd: f64,
+    /// What the roughness is a density of.
+    pub convention: crate::units::Convention,
+    /// The class of ISO 8608 of the same roughness as a one-sided density per rad/m.
+    pub class: crate::road::IsoClass,
+    /// The band of ν that the fit saw, rad/m.
+    pub band_rad_per_m: [f64; 2],
+}
+
+/// Bogsjö's μ.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct IdentifiedCoherence {
+    /// μ of Γ = exp(−μ W ν/2π).
+    pub mu: f64,
+    /// Standard deviation.
+    pub mu_sd: f64,
+}
+
+/// Noise of a channel.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct ChannelNoise {
+    /// The channel.
+    pub channel: String,
+    /// White floor, one-sided per Hz, unit²/Hz.
+    pub floor_per_hz: f64,
+    /// rms of that floor up to half the sampling rate, unit.
+    pub rms: f64,
+}
+
+/// Something that was found and left out.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct RejectedMode {
+    /// Frequency, Hz.
+    pub freq_hz: f64,
+    /// Damping ratio.
+    pub damping: f64,
+    /// The reason.
+    pub why: String,
+}
+
+/// A narrow line.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct SpectralLine {
+    /// Frequency, Hz.
+    pub freq_hz: f64,
+    /// Height over the local floor, as a ratio of densities.
+    pub over_floor: f64,
+    /// The fundamental of its family of harmonics, Hz.
+    pub fundamental_hz: Option<f64>,
+    /// Which multiple of it.
+    pub multiple: Option<u32>,
+    /// In words.
+    pub text: String,
+}
+
+/// A fitted parameter.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct FittedParameter {
+    /// Dotted name as in the vehicle file.
+    pub name: String,
+    /// Found.
+    pub value: f64,
+    /// Standard deviation.
+    pub sd: f64,
+    /// Where the fit started.
+    pub start: f64,
+}
+
+/// How good a fit is.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct FitQuality {
+    /// Whittle cost at the end.
+    pub cost: f64,
+    /// Newton decrement at the end (converged below 1).
+    pub decrement: f64,
+    /// n_avg · mean |L⁻¹ŜL⁻ᴴ − I|²: about .4 for a model that explains the data, above .6 for one that does not.
+    pub chi: f64,
+    /// The same per frequency bin.
+    pub residual_freq_hz: Vec<f64>,
+    /// The same per frequency bin.
+    pub residual: Vec<f64>,
+    /// Steps taken.
+    pub iterations: usize,
+    /// Evaluations of the model and its derivatives.
+    pub evaluations: usize,
+}
+
+/// What was recorded.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct RecordingSummary {
+    /// The description's file name.
+    pub name: String,
+    /// s.
+    pub duration_s: f64,
+    /// Samples per second.
+    pub rate_hz: f64,
+    /// Mean speed.
+    pub speed_m_s: Option<f64>,
+    /// Standard deviation of the speed.
+    pub speed_spread_m_s: Option<f64>,
+    /// Channels that were used.
+    pub channels: Vec<ChannelSummary>,
+    /// Each repair.
+    pub repairs: Vec<Repair>,
+    /// Segment length of the spectra, s.
+    pub segment_s: f64,
+    /// Independent averages of the spectra.
+    pub averages: f64,
+    /// The band that was fitted, Hz.
+    pub band_hz: [f64; 2],
+}
+
+/// One channel.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct ChannelSummary {
+    /// Name.
+    pub name: String,
+    /// `acceleration` …
+    pub quantity: String,
+    /// SI unit.
+    pub unit: String,
+    /// `body` …
+    pub place: String,
+    /// Wheel, where it is at one.
+    pub wheel: Option<String>,
+    /// rms without the mean, in the unit.
+    pub rms: f64,
+}
+
+/// Spectra to plot.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct SpectraPlot {
+    /// Bins, Hz.
+    pub freq_hz: Vec<f64>,
+    /// Auto-spectra, one a channel.
+    pub channels: Vec<ChannelSpectrum>,
+    /// Cross-spectra of a few telling pairs: front-rear, left-right, body-hub.
+    pub pairs: Vec<PairSpectrum>,
+}
+
+/// Measured and fitted auto-spectrum, one-sided per Hz.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct ChannelSpectrum {
+    /// The channel.
+    pub channel: String,
+    /// unit²/Hz.
+    pub unit: String,
+    /// Welch's estimate.
+    pub measured: Vec<f64>,
+    /// The model's, noise floor included; empty where the method has none.
+    pub fitted: Vec<f64>,
+}
+
+/// Coherence (|S₁₂|²/(S₁₁S₂₂)) and phase of a pair.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct PairSpectrum {
+    /// First channel.
+    pub first: String,
+    /// Second channel.
+    pub second: String,
+    /// Magnitude-squared coherence, measured.
+    pub coherence: Vec<f64>,
+    /// Magnitude-squared coherence of the model; empty where the method has none.
+    pub fitted_coherence: Vec<f64>,
+    /// Phase of S₁₂ in rad, measured.
+    pub phase_rad: Vec<f64>,
+    /// Phase of the model.
+    pub fitted_phase_rad: Vec<f64>,
+}
+
+/// A pole of the stabilisation diagram.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct StabilizationPole {
+    /// Model order.
+    pub order: usize,
+    /// Hz.
+    pub freq_hz: f64,
+    /// Damping ratio.
+    pub damping: f64,
+    /// Whether it is stable.
+    pub stable: bool,
+    /// Why not.
+    pub why: Option<String>,
+}
+
+/// What is known of a simulated drive.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Truth {
+    /// Modes.
+    pub modes: Vec<TrueMode>,
+    /// One-sided per rad/m at 1 rad/m, m³.
+    pub roughness_m3: f64,
+    /// e.
+    pub exponent: f64,
+    /// μ.
+    pub mu: Option<f64>,
+    /// Delay, s.
+    pub delay_s: f64,
+    /// Parameters by dotted name.
+    pub parameters: Vec<(String, f64)>,
+}
+
+/// A true mode.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct TrueMode {
+    /// Label.
+    pub label: String,
+    /// Hz.
+    pub freq_hz: f64,
+    /// Ratio.
+    pub damping: f64,
+}
