@@ -262,6 +262,20 @@ impl<'a> Ride<'a> {
         }))
     }
 
+    /// For each output, why its variance is infinite on this road, or None.
+    ///
+    /// # Errors
+    /// A system that cannot be solved.
+    pub fn infinite(&self, outputs: &[&Output]) -> Result<Vec<Option<&'static str>>, RideError> {
+        let why = |g: Growth| match infinite(g) {
+            Some(Variance::Infinite(why)) => Some(why),
+            _ => None,
+        };
+        Ok(self
+            .driven(outputs)?
+            .map_or_else(|| vec![None; outputs.len()], |d| d.growth.into_iter().map(why).collect()))
+    }
+
     fn driven(&self, outputs: &[&Output]) -> Result<Option<Driven>, RideError> {
         Ok(Driven::new(self.vehicle, self.road, self.speed_m_s, outputs)?)
     }
