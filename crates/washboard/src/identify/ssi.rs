@@ -7,7 +7,7 @@ mod subspace;
 pub use clusters::{Mode, Reason, Rejected, ShapeComponent};
 pub use stabilization::{Pole, PoleStatus, StabilizationDiagram};
 
-use crate::linalg::LinalgError;
+use crate::linalg::{LinalgError, Mat};
 use crate::signal::{CorrelationError, correlations};
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
@@ -149,7 +149,9 @@ pub fn ssi_cov(channels: &[Vec<f64>], rate_hz: f64, settings: &SsiSettings) -> R
     let lambda = correlations(&normalised, 2 * settings.block_rows - 1)?;
     let realisations = subspace::realisations(&lambda, settings)?;
     let samples = channels[0].len();
-    let record = stabilization::Record { rate_hz, samples, lags: lambda.lags() - 1 };
+    let count = channels.len();
+    let at_zero_lag = Mat::from_fn(count, count, |i, j| lambda.at(i, j, 0));
+    let record = stabilization::Record { rate_hz, samples, lags: lambda.lags() - 1, at_zero_lag };
     let diagram = stabilization::diagram(&realisations.orders, &record, settings)?;
     let (modes, rejected) = clusters::modes(&diagram, &rms, settings);
     let diagram = diagram.in_units(&rms);
