@@ -34,7 +34,8 @@ pub struct SsiSettings {
     pub min_mac: f64,
     /// A mode is a cluster of stable poles at so many orders at least, as a fraction of the orders computed.
     pub min_order_fraction: f64,
-    /// A mode's part of the spectrum exceeds the spectrum's sampling error by so many standard deviations.
+    /// A mode's part of the spectrum exceeds the spectrum's sampling error by so many standard deviations: poles settle
+    /// on the highest of some hundred chance bumps, which reach about four.
     pub min_significance: f64,
     /// Poles outside this band are left out, with that reason; without it, those within 2 % of the Nyquist frequency.
     pub band_hz: Option<[f64; 2]>,
@@ -51,7 +52,7 @@ impl Default for SsiSettings {
             damping_tolerance_relative: 0.1,
             min_mac: 0.95,
             min_order_fraction: 0.4,
-            min_significance: 3.0,
+            min_significance: 5.0,
             band_hz: None,
         }
     }
