@@ -76,6 +76,8 @@ fn the_five_modes_and_no_other_are_found() {
             mode.significance
         );
         assert!(f_error.abs() < FREQUENCY, "mode {k}: {f}");
+        // each of the five dominates the spectrum at its own frequency: a weaker one does not drown in another's skirt
+        assert!(mode.significance > 8.0, "mode {k}: {} sigma", mode.significance);
         assert!(zeta_error.abs() < DAMPING, "mode {k}: {zeta} for {}", xi[k]);
         let truth: Vec<f64> = (0..count).map(|c| phi[c * count + k]).collect();
         let norm = |v: f64, x: &f64| v + x * x;

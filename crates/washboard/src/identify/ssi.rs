@@ -7,7 +7,7 @@ mod subspace;
 pub use clusters::{Mode, Reason, Rejected, ShapeComponent};
 pub use stabilization::{Pole, PoleStatus, StabilizationDiagram};
 
-use crate::linalg::LinalgError;
+use crate::linalg::{LinalgError, Mat};
 use crate::signal::{CorrelationError, correlations};
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
@@ -34,7 +34,8 @@ pub struct SsiSettings {
     pub min_mac: f64,
     /// A mode is a cluster of stable poles at so many orders at least, as a fraction of the orders computed.
     pub min_order_fraction: f64,
-    /// A mode's part of the spectrum exceeds the spectrum's sampling error by so many standard deviations.
+    /// A mode's part of the spectrum exceeds the spectrum's sampling error by so many standard deviations: poles settle
+    /// on the highest of some hundred chance bumps, which reach about four.
     pub min_significance: f64,
     /// Poles outside this band are left out, with that reason; without it, those within 2 % of the Nyquist frequency.
     pub band_hz: Option<[f64; 2]>,
@@ -51,7 +52,7 @@ impl Default for SsiSettings {
             damping_tolerance_relative: 0.1,
             min_mac: 0.95,
             min_order_fraction: 0.4,
-            min_significance: 3.0,
+            min_significance: 5.0,
             band_hz: None,
         }
     }
@@ -149,7 +150,9 @@ pub fn ssi_cov(channels: &[Vec<f64>], rate_hz: f64, settings: &SsiSettings) -> R
     let lambda = correlations(&normalised, 2 * settings.block_rows - 1)?;
     let realisations = subspace::realisations(&lambda, settings)?;
     let samples = channels[0].len();
-    let record = stabilization::Record { rate_hz, samples, lags: lambda.lags() - 1 };
+    let count = channels.len();
+    let at_zero_lag = Mat::from_fn(count, count, |i, j| lambda.at(i, j, 0));
+    let record = stabilization::Record { rate_hz, samples, lags: lambda.lags() - 1, at_zero_lag };
     let diagram = stabilization::diagram(&realisations.orders, &record, settings)?;
     let (modes, rejected) = clusters::modes(&diagram, &rms, settings);
     let diagram = diagram.in_units(&rms);

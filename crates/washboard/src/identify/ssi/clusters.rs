@@ -319,3 +319,37 @@ fn median(values: impl Iterator<Item = f64>) -> f64 {
     let half = v.len() / 2;
     if v.len() % 2 == 1 { v[half] } else { 0.5 * (v[half - 1] + v[half]) }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn pole(order: usize, f: f64, shape: [f64; 2], significance: f64) -> Pole {
+        let (damping, omega) = (0.05, TAU * f);
+        let shape = shape.map(|s| [s, 0.0]).to_vec();
+        let pole = [-damping * omega, omega];
+        Pole { order, freq_hz: f, damping, pole, shape, significance, status: PoleStatus::Stable }
+    }
+
+    fn frequencies(poles: Vec<Pole>) -> (Vec<f64>, Vec<Reason>) {
+        let orders = (2..=40).step_by(2).collect();
+        let diagram = StabilizationDiagram { orders, poles };
+        let (modes, rejected) = modes(&diagram, &[1.0, 1.0], &SsiSettings::default());
+        (modes.iter().map(|m| m.freq_hz).collect(), rejected.iter().map(|r| r.reason).collect())
+    }
+
+    #[test]
+    fn a_mode_that_moves_with_the_order_is_one_mode() {
+        let moved =
+            |n: usize| if n <= 20 { pole(n, 5.0, [1.0, 0.5], 40.0) } else { pole(n, 5.2, [1.0, 0.5], 50.0) };
+        let (found, why) = frequencies((2..=40).step_by(2).map(moved).collect());
+        assert_eq!((found, why), (vec![5.2], vec![Reason::Echo]));
+    }
+
+    #[test]
+    fn twins_at_the_same_orders_are_two_modes() {
+        let twins = |n: usize| [pole(n, 5.0, [1.0, 1.0], 40.0), pole(n, 5.02, [1.0, -1.0], 10.0)];
+        let (found, why) = frequencies((2..=40).step_by(2).flat_map(twins).collect());
+        assert_eq!((found, why), (vec![5.0, 5.02], vec![]));
+    }
+}

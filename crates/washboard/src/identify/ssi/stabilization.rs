@@ -2,7 +2,7 @@
 
 use super::subspace::Realisation;
 use super::{SsiError, SsiSettings};
-use crate::linalg::{C64, CMat, eigen, solve_complex};
+use crate::linalg::{C64, CMat, Mat, eigen, solve_complex};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
@@ -13,8 +13,8 @@ const NYQUIST_PART: f64 = 0.98;
 /// |μ| below this is a pole that dies within one sample; its logarithm says nothing.
 const DEAD_BEAT: f64 = 1e-9;
 
-/// Equivalent bandwidth of the triangular lag window of L samples, times L/rate.
-const BARTLETT: f64 = 1.5;
+/// Equivalent bandwidth of the Hann lag window of L samples, times L/rate.
+const LAG_WINDOW: f64 = 4.0 / 3.0;
 
 /// The poles of all orders.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -94,6 +94,8 @@ pub(super) struct Record {
     pub samples: usize,
     /// Lags used.
     pub lags: usize,
+    /// Λ₀ of the normalised channels.
+    pub at_zero_lag: Mat,
 }
 
 /// The parts that the poles of one order have in the spectrum: S⁺(ω) = Σ_k φ_k g_kᵀ/(e^{iω} − μ_k).
@@ -108,13 +110,12 @@ struct Parts {
 
 impl Parts {
     fn new(r: &Realisation, values: &[C64], vectors: &CMat) -> Self {
-        let complex =
-            |m: &crate::linalg::Mat| CMat::from_fn(m.nrows(), m.ncols(), |i, j| C64::new(m[(i, j)], 0.0));
+        let complex = |m: &Mat| CMat::from_fn(m.nrows(), m.ncols(), |i, j| C64::new(m[(i, j)], 0.0));
         let inputs = solve_complex(vectors, &complex(&r.g)).ok();
         Self { values: values.to_vec(), shapes: complex(&r.c) * vectors, inputs }
     }
 
-    /// ‖part of pole k‖/‖S⁺‖ at its own frequency, times √K with K the averages that the record has in the pole's
+    /// ‖part of pole k‖/‖S‖ at its own frequency, times √K with K the averages that the record has in the pole's
     /// equivalent bandwidth πζf, but no narrower than the lags resolve.
     fn significance(&self, k: usize, damping: f64, freq_hz: f64, record: &Record) -> f64 {
         let Some(inputs) = &self.inputs else { return 0.0 };
@@ -123,22 +124,30 @@ impl Parts {
         }
         let (n, channels) = (self.values.len(), self.shapes.nrows());
         let at = C64::new(0.0, self.values[k].arg()).exp();
-        // Σ_k (1 − k/L) r^k over the lags used: what they can show of a pole, which may ring far beyond them
-        let (one, last) = (C64::new(1.0, 0.0), record.lags as f64);
+        // Σ_k w_k r^k/μ over the lags used, w_k = (1 + cos(πk/L))/2: what they can show of a pole, which may ring far
+        // beyond them, without the leakage of strong modes elsewhere
+        let one = C64::new(1.0, 0.0);
+        let sum = |r: C64| (one - r.powu(record.lags as u32)) / (one - r);
+        let turn = C64::new(0.0, std::f64::consts::PI / record.lags as f64).exp();
         let seen = |m: usize| {
             let r = self.values[m] / at;
-            (one - (one - r.powu(record.lags as u32)) / ((one - r) * last)) / (at - self.values[m])
+            let sides = turn * sum(r * turn) + turn.conj() * sum(r * turn.conj());
+            (sum(r) * 0.5 + sides * 0.25) / at
         };
         let seen: Vec<C64> = (0..n).map(seen).collect();
+        let mine = |i: usize, j: usize| self.shapes[(i, k)] * inputs[(k, j)] * seen[k];
+        let half = |i: usize, j: usize| -> C64 {
+            (0..n).map(|m| self.shapes[(i, m)] * inputs[(m, j)] * seen[m]).sum()
+        };
+        // S = Λ₀ + S⁺ + S⁺ᴴ: the half spectrum alone has an imaginary part that falls off too slowly
         let (mut part, mut whole) = (0.0, 0.0);
         for i in 0..channels {
             for j in 0..channels {
-                let term = |m: usize| self.shapes[(i, m)] * inputs[(m, j)] * seen[m];
-                part += term(k).norm_sqr();
-                whole += (0..n).map(term).sum::<C64>().norm_sqr();
+                part += (mine(i, j) + mine(j, i).conj()).norm_sqr();
+                whole += (half(i, j) + half(j, i).conj() + record.at_zero_lag[(i, j)]).norm_sqr();
             }
         }
-        let resolved = BARTLETT * record.rate_hz / record.lags as f64;
+        let resolved = LAG_WINDOW * record.rate_hz / record.lags as f64;
         let bandwidth = (std::f64::consts::PI * damping.abs() * freq_hz).max(resolved);
         let averages = bandwidth * record.samples as f64 / record.rate_hz;
         let sigmas = (part / whole.max(f64::MIN_POSITIVE) * averages).sqrt();
