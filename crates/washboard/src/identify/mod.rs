@@ -2,9 +2,11 @@
 
 mod harmonics;
 pub mod interaction;
+mod physical;
 mod ssi;
 
 pub use harmonics::{Family, Line, LineError, LineSettings, spectral_lines};
+pub use physical::{CHI_LIMIT, Estimate, PhysicalError, PhysicalOutcome, PhysicalSettings, fit_physical};
 pub use ssi::{
     Mode, Pole, PoleStatus, Reason, Rejected, ShapeComponent, SsiError, SsiOutcome, SsiSettings,
     StabilizationDiagram, ssi_cov,
