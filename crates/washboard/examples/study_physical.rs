@@ -29,13 +29,13 @@ fn main() {
         let settings = DriveSettings { speed_m_s: 20.0, duration_s, rate_hz: 200.0, seed };
         let recording = simulate(&truth, &road, &sensors(), &settings).unwrap();
         let begin = Instant::now();
-        let spectra = welch(&recording, &WelchSettings::hann(Segment::Samples(1024))).unwrap();
+        let spectra = welch(&recording, &WelchSettings::hann(Segment::Samples(argument(4, 1024.0) as usize))).unwrap();
         let start = perturbed(&spec, recording.channels(), recording.wheels(), seed, 0.3);
         let (family, derivatives) =
             ParametricVehicle::new(&start, recording.channels(), recording.wheels(), &[]).unwrap();
         let physical = PhysicalSettings {
             speed_m_s: 20.0,
-            band_hz: [0.4, 20.0],
+            band_hz: [0.4, argument(3, 20.0)],
             convention: Convention::OneSidedRadPerM,
         };
         let found = fit_physical(&family, &derivatives, &spectra, &physical).unwrap();
