@@ -133,16 +133,34 @@ fn edit_distance(a: &str, b: &str) -> usize {
 /// # Errors
 /// The system's, with the file's name.
 pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), FileError> {
-    let fail = |source| FileError::Write { path: path.to_owned(), source };
-    let name = path.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
-    let temporary = path.with_file_name(format!(".{name}.{}.part", std::process::id()));
-    let written = fs::File::create(&temporary)
-        .and_then(|mut f| f.write_all(bytes).and_then(|()| f.sync_all()))
-        .and_then(|()| fs::rename(&temporary, path));
-    if written.is_err() {
-        let _ = fs::remove_file(&temporary);
+    write_files(&[(path.to_owned(), bytes.to_vec())])
+}
+
+/// Writes several files so that none appears before all are on disk: temporary neighbours first, then the renames.
+///
+/// # Errors
+/// The system's, with the file's name; nothing is left behind unless a rename fails after another has succeeded.
+pub fn write_files(files: &[(PathBuf, Vec<u8>)]) -> Result<(), FileError> {
+    let temporary = |path: &Path| {
+        let name = path.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
+        path.with_file_name(format!(".{name}.{}.part", std::process::id()))
+    };
+    let written = files.iter().try_for_each(|(path, bytes)| {
+        let fail = |source| FileError::Write { path: path.clone(), source };
+        fs::File::create(temporary(path))
+            .and_then(|mut f| f.write_all(bytes).and_then(|()| f.sync_all()))
+            .map_err(fail)
+    });
+    let renamed = written.and_then(|()| {
+        files.iter().try_for_each(|(path, _)| {
+            fs::rename(temporary(path), path)
+                .map_err(|source| FileError::Write { path: path.clone(), source })
+        })
+    });
+    if renamed.is_err() {
+        files.iter().for_each(|(path, _)| drop(fs::remove_file(temporary(path))));
     }
-    written.map_err(fail)
+    renamed
 }
 
 /// Writes several files of one directory so that all appear or none does: the whole directory is built beside its

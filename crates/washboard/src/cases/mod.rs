@@ -15,6 +15,17 @@ pub enum CaseKind {
     Road,
 }
 
+impl CaseKind {
+    /// As it is listed.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            CaseKind::Vehicle => "vehicle",
+            CaseKind::Road => "road",
+        }
+    }
+}
+
 /// A published vehicle or road.
 #[derive(Debug, Clone)]
 pub struct Case {
@@ -107,16 +118,21 @@ pub fn all() -> Vec<Case> {
 /// # Errors
 /// A name that is none, with the nearest that is.
 pub fn find(name: &str, kind: CaseKind) -> Result<Case, CaseError> {
-    let cases = all();
-    let names = || cases.iter().filter(|c| c.kind == kind).map(|c| c.name.as_str());
-    match cases.iter().find(|c| c.name == name && c.kind == kind) {
-        Some(case) => Ok(case.clone()),
-        None => Err(CaseError::Unknown {
-            name: name.to_owned(),
-            what: if kind == CaseKind::Vehicle { "vehicle" } else { "road" },
-            suggestion: nearest(name, names()).map(str::to_owned),
-        }),
-    }
+    pick(name, all().into_iter().filter(|c| c.kind == kind).collect(), kind.name())
+}
+
+/// A case by name, vehicle or road.
+///
+/// # Errors
+/// A name that is none, with the nearest that is.
+pub fn named(name: &str) -> Result<Case, CaseError> {
+    pick(name, all(), "vehicle or road")
+}
+
+fn pick(name: &str, cases: Vec<Case>, what: &'static str) -> Result<Case, CaseError> {
+    let suggestion = nearest(name, cases.iter().map(|c| c.name.as_str())).map(str::to_owned);
+    let found = cases.into_iter().find(|c| c.name == name);
+    found.ok_or_else(|| CaseError::Unknown { name: name.to_owned(), what, suggestion })
 }
 
 /// The file of a published vehicle.

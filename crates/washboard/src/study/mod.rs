@@ -1,8 +1,28 @@
 //! The jobs as data: a specification goes in, an outcome comes out, both serialisable.
+//!
+//! A command line, a Python module and a web page all fill in a [`Spec`] and show an outcome; none of them computes.
 
+mod envelope;
+mod error;
 mod identify_outcome;
+// STUB: replace by `mod identify;` and its exports
+mod identify_stub;
+mod load;
+mod modes;
+mod named;
+mod ride;
+mod sensors;
+mod simulate;
+mod spec;
 
+pub use envelope::{Envelope, Input, SCHEMA_VERSION, is_result_of, read_result};
+pub use error::StudyError;
 pub use identify_outcome::*;
-
-/// The version of every `result.json`.
-pub const SCHEMA_VERSION: u32 = 1;
+pub use identify_stub::{IdentifyRun, demo, identify};
+pub use load::{LoadedRoad, LoadedVehicle, load_road, load_vehicle};
+pub use modes::{ModesOutcome, VehicleMode, VehicleModeKind, modes};
+pub use named::Named;
+pub use ride::{Infinite, RideOutcome, RideSpectra, Rms, ride};
+pub use sensors::{SensorRow, SensorsFile};
+pub use simulate::{DriveTruth, SimulateOutcome, SimulateRun, SimulatedChannel, TrueNoise, simulate};
+pub use spec::{DemoSpec, IdentifyMethod, IdentifySpec, ModesSpec, RideSpec, SimulateSpec, Spec};

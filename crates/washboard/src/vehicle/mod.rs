@@ -22,7 +22,7 @@ pub use matrices::{ActuatorColumn, Matrices, OutputRow, WheelRow};
 pub use parametric::ParametricVehicle;
 pub use quarter_car::QuarterCar;
 pub use ride::{Ride, RideError, Variance};
-pub use simulate::{DriveSettings, Flaws, SimulateError, simulate};
+pub use simulate::{Drive, DriveSettings, Flaws, SimulateError, drive, simulate};
 pub use spec::{Model, VehicleSpec};
 pub use truck_cabin::{CabinAxle, TruckCabin};
 pub use values::{Axle, LeftRight};

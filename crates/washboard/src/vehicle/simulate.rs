@@ -77,7 +77,29 @@ pub struct DriveSettings {
     pub seed: u64,
 }
 
-/// Records a drive.
+/// A drive, with what no recording tells.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Drive {
+    /// As it was recorded.
+    pub recording: Recording,
+    /// rms of the noise that each sensor added, in its channel's unit.
+    pub noise_rms: Vec<f64>,
+}
+
+/// Records a drive: see [`drive`].
+///
+/// # Errors
+/// As [`drive`].
+pub fn simulate(
+    vehicle: &Vehicle,
+    road: &Road,
+    sensors: &[(Channel, Flaws)],
+    settings: &DriveSettings,
+) -> Result<Recording, SimulateError> {
+    Ok(drive(vehicle, road, sensors, settings)?.recording)
+}
+
+/// Records a drive, and keeps what its sensors added.
 ///
 /// Every frequency k/T' of a period T' longer than the drive carries complex normal amplitudes with
 /// E\[X_a* X_b\] = Γ_ab S(ω) Δω/2π for tracks a, b; a wheel's input is its track's times e^{−iωδ}, and a channel is
@@ -86,12 +108,12 @@ pub struct DriveSettings {
 ///
 /// # Errors
 /// Settings that are not positive, a channel that the model does not have or whose response is infinite on this road.
-pub fn simulate(
+pub fn drive(
     vehicle: &Vehicle,
     road: &Road,
     sensors: &[(Channel, Flaws)],
     settings: &DriveSettings,
-) -> Result<Recording, SimulateError> {
+) -> Result<Drive, SimulateError> {
     for (field, value) in [
         ("speed_m_s", settings.speed_m_s),
         ("duration_s", settings.duration_s),
@@ -126,13 +148,15 @@ pub fn simulate(
         .collect::<Result<Vec<_>, _>>()?;
     check_finite_response(vehicle, road, settings, sensors, &looks)?;
     let mut series = responses(vehicle, road, &looks, settings, samples);
+    let mut noise_rms = Vec::with_capacity(sensors.len());
     for (index, (data, (_, flaws))) in series.iter_mut().zip(sensors).enumerate() {
         let mut rng = ChaCha8Rng::seed_from_u64(settings.seed);
         rng.set_stream(1 + index as u64);
-        spoil(data, flaws, &mut rng);
+        noise_rms.push(spoil(data, flaws, &mut rng));
     }
     let channels = sensors.iter().map(|(c, _)| c.clone()).collect();
-    Ok(Recording::new(settings.rate_hz, Some(settings.speed_m_s), wheels, channels, series)?)
+    let recording = Recording::new(settings.rate_hz, Some(settings.speed_m_s), wheels, channels, series)?;
+    Ok(Drive { recording, noise_rms })
 }
 
 /// Displacements of a road that wanders have no stationary record.
@@ -342,7 +366,8 @@ impl<'a> Transfer<'a> {
     }
 }
 
-fn spoil(data: &mut [f64], flaws: &Flaws, rng: &mut ChaCha8Rng) {
+/// Adds what a sensor adds; the rms of the noise.
+fn spoil(data: &mut [f64], flaws: &Flaws, rng: &mut ChaCha8Rng) -> f64 {
     let rms = (data.iter().map(|x| x * x).sum::<f64>() / data.len() as f64).sqrt();
     for x in data.iter_mut() {
         let z: f64 = StandardNormal.sample(rng);
@@ -354,6 +379,7 @@ fn spoil(data: &mut [f64], flaws: &Flaws, rng: &mut ChaCha8Rng) {
             *x = (*x / quantum).round() * quantum;
         }
     }
+    flaws.noise_ratio * rms
 }
 
 /// The next even number with no prime factor above 7.

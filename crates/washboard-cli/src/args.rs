@@ -1,0 +1,14 @@
+//! Readers of arguments that clap does not know.
+
+/// `A,B`.
+pub fn pair(text: &str) -> Result<[f64; 2], String> {
+    let wrong = || format!("expected two numbers such as 0.5,25, found {text:?}");
+    let (a, b) = text.split_once(',').ok_or_else(wrong)?;
+    let number = |s: &str| s.trim().parse::<f64>().map_err(|_| wrong());
+    Ok([number(a)?, number(b)?])
+}
+
+/// A word that serde knows as a value of `T`; its names come from serde's own message.
+pub fn word<T: serde::de::DeserializeOwned>(text: &str) -> Result<T, String> {
+    serde_json::from_value(serde_json::Value::String(text.to_owned())).map_err(|e| e.to_string())
+}

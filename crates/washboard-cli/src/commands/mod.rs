@@ -1,0 +1,9 @@
+//! The commands, one a file: arguments, a call of the library, a table.
+
+pub mod cases;
+pub mod demo;
+pub mod identify;
+pub mod modes;
+pub mod report;
+pub mod ride;
+pub mod simulate;

@@ -1,0 +1,82 @@
+//! `washboard ride`: rms and spectra of a vehicle's responses on a road.
+
+use crate::output::{Failure, Output};
+use crate::table::{Table, number};
+use clap::Args;
+use std::process::ExitCode;
+use washboard::study::{Envelope, RideOutcome, RideSpec, Rms, ride};
+
+/// The rms of every response on a road (and, with --json, the spectra).
+#[derive(Debug, Args)]
+pub struct Arguments {
+    /// A TOML file or case:NAME.
+    vehicle: String,
+    /// A TOML file or case:NAME.
+    #[arg(long)]
+    road: String,
+    /// Forward speed in m/s.
+    #[arg(long, value_name = "V", allow_negative_numbers = true)]
+    speed_m_s: f64,
+}
+
+/// Prints the ride.
+pub fn run(arguments: Arguments, output: Output) -> Result<ExitCode, Failure> {
+    let Arguments { vehicle, road, speed_m_s } = arguments;
+    let progress = output.progress("riding");
+    let result = ride(&RideSpec { vehicle, road, speed_m_s });
+    drop(progress);
+    let (outcome, inputs) = result?;
+    output.print(&Envelope::new("ride", inputs, outcome), table)?;
+    Ok(ExitCode::SUCCESS)
+}
+
+/// One row an output, its places side by side: the names of one stacked vector differ in their ends.
+fn table(outcome: &RideOutcome) -> String {
+    let names: Vec<&str> = outcome.rms.iter().map(|(name, _)| name).collect();
+    let mut rows: Vec<(&str, Vec<&str>)> = Vec::new();
+    let mut places: Vec<&str> = Vec::new();
+    for name in names {
+        let place =
+            rows.last().and_then(|(base, _)| name.strip_prefix(base)).and_then(|s| s.strip_prefix('_'));
+        match place.filter(|p| PLACES.contains(p)) {
+            Some(place) => {
+                if !places.contains(&place) {
+                    places.push(place);
+                }
+                if let Some((_, own)) = rows.last_mut() {
+                    own.push(place);
+                }
+            }
+            None => rows.push((name, vec![])),
+        }
+    }
+    let header: Vec<String> = ["<rms at a speed of {} m/s".replace("{}", &number(outcome.speed_m_s))]
+        .into_iter()
+        .chain(["<unit".to_owned(), "whole".to_owned()])
+        .chain(places.iter().map(|p| p.replace('_', " ")))
+        .collect();
+    let mut table = Table::new(&header.iter().map(String::as_str).collect::<Vec<_>>());
+    let cell = |name: &str| match outcome.rms.get(name) {
+        Some(Rms::Finite(v)) => number(*v),
+        Some(Rms::Infinite(_)) => "infinite".to_owned(),
+        None => String::new(),
+    };
+    for (base, _) in &rows {
+        let unit = outcome.units.get(base).cloned().unwrap_or_default();
+        let own = places.iter().map(|place| cell(&format!("{base}_{place}")));
+        table.row([(*base).to_owned(), unit, cell(base)].into_iter().chain(own));
+    }
+    let mut reasons: Vec<(&str, Vec<&str>)> = Vec::new();
+    for (base, _) in &rows {
+        if let Some(why) = outcome.infinite.get(base) {
+            match reasons.iter_mut().find(|(w, _)| w == why) {
+                Some((_, of)) => of.push(base),
+                None => reasons.push((why, vec![base])),
+            }
+        }
+    }
+    let notes = reasons.iter().map(|(why, of)| format!("infinite: {}: {why}\n", of.join(", ")));
+    table.text() + &notes.collect::<String>()
+}
+
+const PLACES: [&str; 6] = ["front", "rear", "front_left", "front_right", "rear_left", "rear_right"];

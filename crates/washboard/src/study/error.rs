@@ -1,0 +1,74 @@
+//! What a job refuses: the message names the file or the field, what was expected and what was found.
+
+use crate::cases::CaseError;
+use crate::files::FileError;
+use crate::signal::SignalError;
+use crate::vehicle::{RideError, SimulateError, VehicleError};
+use thiserror::Error;
+
+/// What is refused of a job.
+#[derive(Debug, Error)]
+pub enum StudyError {
+    /// A file cannot be read or written, or is not what it should be.
+    #[error(transparent)]
+    File(#[from] FileError),
+    /// A `case:NAME` that is none.
+    #[error(transparent)]
+    Case(#[from] CaseError),
+    /// A vehicle that cannot be built, or has not what is asked of it.
+    #[error("{name}: {source}")]
+    Vehicle {
+        /// Its file or `case:NAME`.
+        name: String,
+        /// Why.
+        source: VehicleError,
+    },
+    /// A ride that has no answer.
+    #[error("{name}: {source}")]
+    Ride {
+        /// The vehicle's file or `case:NAME`.
+        name: String,
+        /// Why.
+        source: RideError,
+    },
+    /// A drive that cannot be simulated.
+    #[error(transparent)]
+    Simulate(#[from] SimulateError),
+    /// A recording that is not what its description says, or too short for what is asked.
+    #[error(transparent)]
+    Signal(#[from] SignalError),
+    /// A setting has a value that it cannot have.
+    #[error("{field}: expected {expected}, found {found}")]
+    Setting {
+        /// Which.
+        field: &'static str,
+        /// What it should be.
+        expected: String,
+        /// What it is.
+        found: String,
+    },
+    /// Something whose name is reserved.
+    #[error("{field}: `{name}` is not there yet; {instead}")]
+    NotYet {
+        /// Where it was asked for.
+        field: &'static str,
+        /// What was asked for.
+        name: String,
+        /// What there is.
+        instead: &'static str,
+    },
+}
+
+impl StudyError {
+    /// Whether other input would help (true), or the computation itself failed.
+    #[must_use]
+    pub fn is_wrong_input(&self) -> bool {
+        let numerical = |e: &RideError| matches!(e, RideError::Quadrature { .. } | RideError::Linalg(_));
+        match self {
+            StudyError::Ride { source, .. } | StudyError::Simulate(SimulateError::Ride(source)) => {
+                !numerical(source)
+            }
+            _ => true,
+        }
+    }
+}

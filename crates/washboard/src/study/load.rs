@@ -1,0 +1,159 @@
+//! A name on the command line becomes a vehicle or a road: a TOML file, or `case:NAME`.
+
+use super::{Input, StudyError};
+use crate::cases::{self, CaseKind};
+use crate::files::{FileError, parse_toml, read_text};
+use crate::road::{Road, RoadSpec};
+use crate::vehicle::{Vehicle, VehicleError, VehicleSpec};
+use serde::de::DeserializeOwned;
+use std::path::{Path, PathBuf};
+
+/// A vehicle with what it was made from.
+#[derive(Debug, Clone)]
+pub struct LoadedVehicle {
+    /// As it was named.
+    pub name: String,
+    /// As it is written.
+    pub spec: VehicleSpec,
+    /// A truck cabin's chassis as it is written.
+    pub chassis: Option<VehicleSpec>,
+    /// Ready to ride.
+    pub vehicle: Vehicle,
+    /// Every file that was read.
+    pub inputs: Vec<Input>,
+}
+
+/// A road with what it was made from.
+#[derive(Debug, Clone)]
+pub struct LoadedRoad {
+    /// As it was named.
+    pub name: String,
+    /// As it is written.
+    pub spec: RoadSpec,
+    /// Ready to be driven on.
+    pub road: Road,
+    /// Every file that was read.
+    pub inputs: Vec<Input>,
+}
+
+/// The vehicle of a name; a cabin's `chassis` is a case, or a file relative to the one that names it.
+///
+/// # Errors
+/// A file or case that does not exist, an unknown key, a value that is impossible: each with the file's name.
+pub fn load_vehicle(name: &str) -> Result<LoadedVehicle, StudyError> {
+    let (spec, input) = read::<VehicleSpec>(name, CaseKind::Vehicle)?;
+    let mut inputs = vec![input];
+    let mut chassis = None;
+    let below = match &spec.truck_cabin {
+        Some(cabin) => {
+            let (below, input) = read::<VehicleSpec>(&beside(name, &cabin.chassis), CaseKind::Vehicle)?;
+            inputs.push(input);
+            Some(below)
+        }
+        None => None,
+    };
+    let vehicle = spec
+        .build(|wanted| {
+            chassis.clone_from(&below);
+            below.ok_or_else(|| VehicleError::Field {
+                field: "chassis".into(),
+                expected: "a vehicle file or case",
+                found: wanted.to_owned(),
+            })
+        })
+        .map_err(|source| StudyError::Vehicle { name: name.to_owned(), source })?;
+    Ok(LoadedVehicle { name: name.to_owned(), spec, chassis, vehicle, inputs })
+}
+
+/// The road of a name; a table's `data` is relative to the file that names it.
+///
+/// # Errors
+/// As [`load_vehicle`].
+pub fn load_road(name: &str) -> Result<LoadedRoad, StudyError> {
+    let (mut spec, input) = read::<RoadSpec>(name, CaseKind::Road)?;
+    let mut inputs = vec![input];
+    if let Some(data) = &mut spec.data {
+        *data = PathBuf::from(beside(name, &data.to_string_lossy()));
+        inputs.push(Input::of_file(data)?);
+    }
+    let road = spec.build_in(Path::new(name))?;
+    Ok(LoadedRoad { name: name.to_owned(), spec, road, inputs })
+}
+
+fn read<T: DeserializeOwned>(name: &str, kind: CaseKind) -> Result<(T, Input), StudyError> {
+    let path = Path::new(name);
+    let text = match name.strip_prefix("case:") {
+        Some(case) => cases::find(case, kind)?.toml,
+        None => read_text(path).map_err(|e| did_you_mean_a_case(e, name, kind))?,
+    };
+    let value = parse_toml(&text, path)?;
+    Ok((value, Input::of(name, text.as_bytes())))
+}
+
+/// A file that does not exist, but whose name a case has.
+fn did_you_mean_a_case(error: FileError, name: &str, kind: CaseKind) -> FileError {
+    match (&error, cases::find(name, kind)) {
+        (FileError::Read { .. }, Ok(case)) => {
+            let message = format!("no such file (did you mean `case:{}`?)", case.name);
+            FileError::content(Path::new(name), None, message)
+        }
+        _ => error,
+    }
+}
+
+/// A name inside a file: of a case, or of a file relative to it.
+fn beside(file: &str, name: &str) -> String {
+    match Path::new(file).parent() {
+        Some(dir) if !name.starts_with("case:") && !file.starts_with("case:") => {
+            dir.join(name).display().to_string()
+        }
+        _ => name.to_owned(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::fs;
+
+    #[test]
+    fn a_chassis_and_a_table_are_found_beside_the_file_that_names_them() {
+        let dir = std::env::temp_dir().join(format!("washboard-load-{}", std::process::id()));
+        fs::create_dir_all(dir.join("sub")).unwrap();
+        let cabin = cases::find("turkay-truck-cabin", CaseKind::Vehicle).unwrap().toml;
+        fs::write(dir.join("cabin.toml"), cabin.replace("case:turkay-bounce-truck", "sub/below.toml"))
+            .unwrap();
+        let below = cases::find("turkay-bounce-truck", CaseKind::Vehicle).unwrap().toml;
+        fs::write(dir.join("sub/below.toml"), below).unwrap();
+        let loaded = load_vehicle(&dir.join("cabin.toml").display().to_string()).unwrap();
+        assert_eq!(loaded.vehicle.dofs().len(), 15);
+        assert_eq!(loaded.inputs.len(), 2);
+        assert!(loaded.chassis.is_some());
+
+        fs::write(dir.join("road.toml"), "kind = \"table\"\ndata = \"sub/psd.csv\"\n").unwrap();
+        fs::write(dir.join("sub/psd.csv"), "nu_rad_per_m,psd\n0.1,1e-3\n1,1e-5\n10,1e-7\n").unwrap();
+        let road = load_road(&dir.join("road.toml").display().to_string()).unwrap();
+        assert_eq!(road.inputs.len(), 2);
+        fs::remove_dir_all(&dir).unwrap();
+    }
+
+    #[test]
+    fn a_case_without_its_prefix_is_answered_with_it() {
+        let e = load_vehicle("turkay-half-car").unwrap_err().to_string();
+        assert_eq!(e, "turkay-half-car: no such file (did you mean `case:turkay-half-car`?)");
+        let e = load_road("case:iso8608-k").unwrap_err().to_string();
+        assert!(e.contains("did you mean `case:iso8608-"), "{e}");
+    }
+
+    #[test]
+    fn errors_name_file_and_field() {
+        let path = std::env::temp_dir().join(format!("washboard-car-{}.toml", std::process::id()));
+        let car = cases::find("turkay-quarter-car", CaseKind::Vehicle).unwrap().toml;
+        fs::write(&path, car.replace("= 36.0", "= -36.0")).unwrap();
+        let name = path.display().to_string();
+        let e = load_vehicle(&name).unwrap_err().to_string();
+        let expected = "quarter-car.unsprung_mass_kg: expected a positive number, found -36";
+        assert_eq!(e, format!("{name}: {expected}"));
+        fs::remove_file(&path).unwrap();
+    }
+}

@@ -1,0 +1,146 @@
+//! What a job is told: exactly what a command line gives, as data.
+
+use crate::units::Convention;
+use serde::{Deserialize, Serialize};
+use std::path::PathBuf;
+
+/// A job and its settings. In JSON `job` says which: `{"job": "modes", "vehicle": "case:turkay-half-car"}`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "job", rename_all = "kebab-case")]
+pub enum Spec {
+    /// See [`modes`](super::modes).
+    Modes(ModesSpec),
+    /// See [`ride`](super::ride).
+    Ride(RideSpec),
+    /// See [`simulate`](super::simulate).
+    Simulate(SimulateSpec),
+    /// See [`identify`](super::identify).
+    Identify(IdentifySpec),
+    /// See [`demo`](super::demo).
+    Demo(DemoSpec),
+}
+
+/// The modes of a vehicle.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ModesSpec {
+    /// A vehicle file or `case:NAME`.
+    pub vehicle: String,
+}
+
+/// A vehicle on a road.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct RideSpec {
+    /// A vehicle file or `case:NAME`.
+    pub vehicle: String,
+    /// A road file or `case:NAME`.
+    pub road: String,
+    /// Forward speed.
+    pub speed_m_s: f64,
+}
+
+/// A recorded drive, from a model.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SimulateSpec {
+    /// A vehicle file or `case:NAME`.
+    pub vehicle: String,
+    /// A road file or `case:NAME`.
+    pub road: String,
+    /// Forward speed.
+    pub speed_m_s: f64,
+    /// Length of the recording.
+    pub duration_s: f64,
+    /// Samples per second.
+    pub rate_hz: f64,
+    /// White noise as a multiple of each channel's rms; a sensors file may say otherwise for a sensor.
+    #[serde(default)]
+    pub noise: f64,
+    /// A sensors file; accelerometers at every body corner and hub without one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub sensors: Option<PathBuf>,
+    /// Same seed, same drive.
+    #[serde(default)]
+    pub seed: u64,
+    /// RUN.csv; its description and truth are written beside it.
+    pub output: PathBuf,
+}
+
+/// From a recording to modes and the road.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct IdentifySpec {
+    /// RUN.toml.
+    pub recording: PathBuf,
+    /// What the vehicle is like: a vehicle file or `case:NAME`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub vehicle: Option<String>,
+    /// How.
+    #[serde(default)]
+    pub method: IdentifyMethod,
+    /// The band that is fitted, where not the method's own choice.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub band_hz: Option<[f64; 2]>,
+    /// Length of a segment of the spectra, where not the method's own choice.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub segment_s: Option<f64>,
+    /// What the road's roughness is reported as a density of.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub convention: Option<Convention>,
+}
+
+/// The methods of identification.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum IdentifyMethod {
+    /// A vehicle's parameters and its road, fitted to all cross-spectra.
+    #[default]
+    Physical,
+    /// Covariance-driven stochastic subspace identification.
+    Ssi,
+    /// The track-vehicle interaction modal model: to come.
+    Tvimm,
+    /// The poly-reference least-squares complex frequency estimator: to come.
+    Plscf,
+    /// Frequency-domain decomposition: to come.
+    Fdd,
+}
+
+impl IdentifyMethod {
+    /// All of them.
+    pub const ALL: [IdentifyMethod; 5] = [
+        IdentifyMethod::Physical,
+        IdentifyMethod::Ssi,
+        IdentifyMethod::Tvimm,
+        IdentifyMethod::Plscf,
+        IdentifyMethod::Fdd,
+    ];
+
+    /// As it is written.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            IdentifyMethod::Physical => "physical",
+            IdentifyMethod::Ssi => "ssi",
+            IdentifyMethod::Tvimm => "tvimm",
+            IdentifyMethod::Plscf => "plscf",
+            IdentifyMethod::Fdd => "fdd",
+        }
+    }
+
+    /// Whether this version has it.
+    #[must_use]
+    pub fn exists(self) -> bool {
+        matches!(self, IdentifyMethod::Physical | IdentifyMethod::Ssi)
+    }
+}
+
+/// The main job on a published car.
+#[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct DemoSpec {
+    /// Of the simulated drive.
+    #[serde(default)]
+    pub seed: u64,
+}
