@@ -29,7 +29,8 @@ fn main() {
         let settings = DriveSettings { speed_m_s: 20.0, duration_s, rate_hz: 200.0, seed };
         let recording = simulate(&truth, &road, &sensors(), &settings).unwrap();
         let begin = Instant::now();
-        let spectra = welch(&recording, &WelchSettings::hann(Segment::Samples(argument(4, 1024.0) as usize))).unwrap();
+        let spectra =
+            welch(&recording, &WelchSettings::hann(Segment::Samples(argument(4, 1024.0) as usize))).unwrap();
         let start = perturbed(&spec, recording.channels(), recording.wheels(), seed, 0.3);
         let (family, derivatives) =
             ParametricVehicle::new(&start, recording.channels(), recording.wheels(), &[]).unwrap();

@@ -289,6 +289,12 @@ impl RoadSpec {
 }
 
 impl CoherenceSpec {
+    /// `kind = "bogsjo"`.
+    #[must_use]
+    pub fn bogsjo(mu: f64) -> Self {
+        CoherenceSpec { kind: CoherenceKind::Bogsjo, mu: Some(mu) }
+    }
+
     /// The coherence.
     ///
     /// # Errors

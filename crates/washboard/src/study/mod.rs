@@ -2,11 +2,13 @@
 //!
 //! A command line, a Python module and a web page all fill in a [`Spec`] and show an outcome; none of them computes.
 
+mod demo;
 mod envelope;
 mod error;
+mod identify;
 mod identify_outcome;
-// STUB: replace by `mod identify;` and its exports
-mod identify_stub;
+mod identify_physical;
+mod identify_ssi;
 mod load;
 mod modes;
 mod named;
@@ -14,11 +16,13 @@ mod ride;
 mod sensors;
 mod simulate;
 mod spec;
+mod spectra_plot;
 
+pub use demo::demo;
 pub use envelope::{Envelope, Input, SCHEMA_VERSION, is_result_of, read_result};
 pub use error::StudyError;
+pub use identify::{IdentifyRun, identify};
 pub use identify_outcome::*;
-pub use identify_stub::{IdentifyRun, demo, identify};
 pub use load::{LoadedRoad, LoadedVehicle, load_road, load_vehicle};
 pub use modes::{ModesOutcome, VehicleMode, VehicleModeKind, modes};
 pub use named::Named;

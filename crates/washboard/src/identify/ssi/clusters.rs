@@ -281,21 +281,19 @@ fn never_stable(poles: &[Pole]) -> Vec<Rejected> {
     }
     let mut rejected = Vec::new();
     for (status, mut members) in by_status {
-        let (reason, why) = match status {
+        let reason = match status {
             PoleStatus::Stable => continue,
-            PoleStatus::Growing => (Reason::Growing, "grows: its real part is not negative"),
-            PoleStatus::Real => (Reason::Real, "a real pole: it does not oscillate"),
-            PoleStatus::OutOfBand => (Reason::OutOfBand, "outside the band or near the Nyquist frequency"),
-            PoleStatus::FirstOrder => (Reason::FirstOrder, "at the lowest order, with none before it"),
-            PoleStatus::NewFrequency => (Reason::NotStable, "no pole of the order before has this frequency"),
-            PoleStatus::NewDamping => {
-                (Reason::NotStable, "no pole of the order before has this frequency and damping")
-            }
-            PoleStatus::NewShape => (Reason::NotStable, "the pole of the order before has another shape"),
+            PoleStatus::Growing => Reason::Growing,
+            PoleStatus::Real => Reason::Real,
+            PoleStatus::OutOfBand => Reason::OutOfBand,
+            PoleStatus::FirstOrder => Reason::FirstOrder,
+            PoleStatus::NewFrequency | PoleStatus::NewDamping | PoleStatus::NewShape => Reason::NotStable,
         };
         members.sort_by(|a, b| poles[*a].freq_hz.total_cmp(&poles[*b].freq_hz));
         let apart = |a: &usize, b: &usize| poles[*b].freq_hz <= LISTED_APART * poles[*a].freq_hz;
-        rejected.extend(members.chunk_by(apart).map(|run| left_out(poles, run, reason, why.to_owned())));
+        rejected.extend(
+            members.chunk_by(apart).map(|run| left_out(poles, run, reason, status.words().to_owned())),
+        );
     }
     rejected
 }

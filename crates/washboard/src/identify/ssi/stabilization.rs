@@ -67,6 +67,27 @@ pub enum PoleStatus {
     NewShape,
 }
 
+impl PoleStatus {
+    /// Why a pole is not stable, in words; `stable` for one that is.
+    #[must_use]
+    pub fn words(self) -> &'static str {
+        match self {
+            PoleStatus::Stable => "stable",
+            PoleStatus::Growing => "it grows (Re λ ≥ 0)",
+            PoleStatus::Real => "a real pole: no oscillation",
+            PoleStatus::OutOfBand => "outside the band, or near the Nyquist frequency",
+            PoleStatus::FirstOrder => "the lowest order has none before it",
+            PoleStatus::NewFrequency => "no pole of the order before has nearly this frequency",
+            PoleStatus::NewDamping => {
+                "one of the order before has nearly this frequency, none nearly this damping"
+            }
+            PoleStatus::NewShape => {
+                "one of the order before has nearly this frequency and damping, but another shape"
+            }
+        }
+    }
+}
+
 impl Pole {
     /// Whether it is found again at the order before.
     #[must_use]

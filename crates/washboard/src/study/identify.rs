@@ -1,0 +1,251 @@
+//! The job `identify`: from a recording to modes and the road.
+
+use super::identify_outcome::{ChannelSummary, Flag, IdentifyOutcome, RecordingSummary};
+use super::{
+    IdentifyMethod, IdentifySpec, Input, StudyError, identify_physical, identify_ssi, load_vehicle,
+    spectra_plot,
+};
+use crate::identify::{LineSettings, spectral_lines};
+use crate::signal::{
+    CrossSpectra, Recording, RecordingDescription, Segment, WelchSettings, read_recording, welch,
+};
+use crate::units::{Convention, per_hz_from_two_sided, rad_per_s};
+use crate::vehicle::VehicleSpec;
+use std::path::Path;
+
+/// Segments are a fortieth of the recording, within these lengths in s: long ones keep the fine structure that delays
+/// give to spectra, forty leave each bin about 80 averages.
+const SEGMENTS: f64 = 40.0;
+const SEGMENT_S: [f64; 2] = [5.0, 20.0];
+/// The band that is looked at by default, Hz: body and wheel modes of road vehicles.
+const BAND_HZ: [f64; 2] = [0.4, 20.0];
+/// Wavelengths of ISO 8608 as ν in rad/m: the band is cut to where the road is described at the speed driven.
+const ISO_BAND_RAD_PER_M: [f64; 2] = [0.063, 17.77];
+/// A speed that spreads more than this about its mean blurs delays and frequencies of the road.
+const SPEED_SPREAD: f64 = 0.03;
+
+/// What an identification gives: the outcome, and the files to go on with.
+#[derive(Debug, Clone)]
+pub struct IdentifyRun {
+    /// What was found.
+    pub outcome: IdentifyOutcome,
+    /// vehicle.toml, road.toml: names and contents.
+    pub files: Vec<(String, Vec<u8>)>,
+    /// Every file that was read.
+    pub inputs: Vec<Input>,
+}
+
+/// What is told to a method besides the recording.
+#[derive(Debug, Clone)]
+pub(super) struct Task<'a> {
+    pub recording: &'a Recording,
+    pub name: &'a str,
+    pub band_hz: [f64; 2],
+    pub spectra: CrossSpectra,
+    pub convention: Convention,
+}
+
+/// Identifies a recording.
+///
+/// # Errors
+/// A recording or vehicle file that is wrong, settings that do not fit them. A method that ended without success is an
+/// outcome with `converged = false` and flags that say why.
+pub fn identify(spec: &IdentifySpec) -> Result<IdentifyRun, StudyError> {
+    if !spec.method.exists() {
+        let name = spec.method.name().to_owned();
+        return Err(StudyError::NotYet { field: "method", name, instead: "there are physical and ssi" });
+    }
+    let start = match (&spec.vehicle, spec.method) {
+        (Some(name), _) => Some(load_vehicle(name)?),
+        (None, IdentifyMethod::Physical) => {
+            return Err(StudyError::Setting {
+                field: "vehicle",
+                expected:
+                    "a vehicle file or case:NAME to start the physical fit from (--vehicle), or --method ssi"
+                        .into(),
+                found: "none".into(),
+            });
+        }
+        (None, _) => None,
+    };
+    let recording = read_recording(&spec.recording)?;
+    let mut inputs = recording_inputs(&spec.recording)?;
+    inputs.extend(start.iter().flat_map(|s| s.inputs.clone()));
+    let name = spec.recording.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
+    let vehicle = start.as_ref().map(|s| (s.name.as_str(), &s.spec));
+    let (outcome, files) = identify_recording(&recording, &name, vehicle, spec)?;
+    Ok(IdentifyRun { outcome, files, inputs })
+}
+
+/// Files by name and content.
+pub(super) type Files = Vec<(String, Vec<u8>)>;
+
+/// Identifies a recording that is at hand; of the spec only the settings count.
+pub(super) fn identify_recording(
+    recording: &Recording,
+    name: &str,
+    vehicle: Option<(&str, &VehicleSpec)>,
+    spec: &IdentifySpec,
+) -> Result<(IdentifyOutcome, Files), StudyError> {
+    let band_hz = band(recording, spec)?;
+    let segment_s = match spec.segment_s {
+        Some(s) => s,
+        None => (recording.duration_s() / SEGMENTS).clamp(SEGMENT_S[0], SEGMENT_S[1]),
+    };
+    // detrending takes drift out of displacements and slow sensors
+    let recording = recording.detrended();
+    let task = Task {
+        spectra: welch(&recording, &WelchSettings::hann(Segment::Seconds(segment_s)))?,
+        recording: &recording,
+        name,
+        band_hz,
+        convention: spec.convention.unwrap_or_default(),
+    };
+    let (mut outcome, files) = match (spec.method, vehicle) {
+        (IdentifyMethod::Physical, Some((file, start))) => identify_physical::run(&task, file, start)?,
+        _ => (identify_ssi::run(&task)?, Vec::new()),
+    };
+    outcome.flags.extend(common_flags(&task));
+    Ok((outcome, files))
+}
+
+/// The band asked for, or the default one cut to the road's and to the sampling rate.
+fn band(recording: &Recording, spec: &IdentifySpec) -> Result<[f64; 2], StudyError> {
+    let nyquist = recording.rate_hz() / 2.0;
+    if let Some([low, high]) = spec.band_hz {
+        if !(low >= 0.0 && high > low && high <= nyquist) {
+            let expected =
+                format!("two ascending frequencies from 0 to half the sampling rate, {nyquist} Hz");
+            return Err(StudyError::Setting { field: "band_hz", expected, found: format!("{low}, {high}") });
+        }
+        return Ok([low, high]);
+    }
+    if spec.method == IdentifyMethod::Ssi {
+        return Ok([0.0, BAND_HZ[1].min(0.8 * nyquist)]);
+    }
+    // the edges of a described road are not sharp to a window: stay inside
+    let road = recording.speed_m_s().map_or(BAND_HZ, |v| {
+        let hz = |nu: f64| nu * v / rad_per_s(1.0);
+        [1.5 * hz(ISO_BAND_RAD_PER_M[0]), hz(ISO_BAND_RAD_PER_M[1]) / 1.1]
+    });
+    Ok([BAND_HZ[0].max(road[0]), BAND_HZ[1].min(road[1]).min(0.8 * nyquist)])
+}
+
+fn recording_inputs(path: &Path) -> Result<Vec<Input>, StudyError> {
+    let description: RecordingDescription = crate::files::read_toml(path)?;
+    let beside = |name: &Path| path.parent().unwrap_or(Path::new(".")).join(name);
+    let mut inputs = vec![Input::of_file(path)?, Input::of_file(&beside(&description.data))?];
+    if let Some(speed) = &description.speed_file {
+        inputs.push(Input::of_file(&beside(&speed.data))?);
+    }
+    Ok(inputs)
+}
+
+fn common_flags(task: &Task<'_>) -> Vec<Flag> {
+    let mut flags = Vec::new();
+    let mut flag = |name: &str, text: String| flags.push(Flag { name: name.to_owned(), text });
+    match (task.recording.speed_m_s(), task.recording.speed_spread_m_s()) {
+        (None, _) => flag(
+            "no-speed",
+            "the recording has no speed: neither a wheelbase delay nor the road's roughness can be reported"
+                .into(),
+        ),
+        (Some(v), Some(spread)) if spread > SPEED_SPREAD * v => flag(
+            "speed-varies",
+            format!(
+                "the speed varies by {spread:.2} m/s about {v:.2} m/s: delays and road frequencies are blurred"
+            ),
+        ),
+        _ => {}
+    }
+    flags
+}
+
+/// What was recorded, for the outcome.
+pub(super) fn summary(task: &Task<'_>) -> RecordingSummary {
+    let r = task.recording;
+    let channels = r.channels().iter().zip(r.samples()).map(|(c, x)| {
+        let mean = x.iter().sum::<f64>() / x.len() as f64;
+        ChannelSummary {
+            name: c.name.clone(),
+            quantity: c.quantity.name().to_owned(),
+            unit: c.quantity.si_unit().to_owned(),
+            place: format!("{:?}", c.place).to_lowercase(),
+            wheel: c.wheel.map(|w| r.wheels()[w].name.clone()),
+            rms: (x.iter().map(|v| (v - mean) * (v - mean)).sum::<f64>() / x.len() as f64).sqrt(),
+        }
+    });
+    RecordingSummary {
+        name: task.name.to_owned(),
+        duration_s: r.duration_s(),
+        rate_hz: r.rate_hz(),
+        speed_m_s: r.speed_m_s(),
+        speed_spread_m_s: r.speed_spread_m_s(),
+        channels: channels.collect(),
+        repairs: r.repairs().to_vec(),
+        segment_s: task.spectra.segment_len as f64 / task.spectra.rate_hz,
+        averages: task.spectra.averages,
+        band_hz: task.band_hz,
+    }
+}
+
+/// An outcome with all that does not depend on the method; `fitted` are model spectra at the first bins of the band.
+pub(super) fn blank(
+    task: &Task<'_>,
+    method: IdentifyMethod,
+    fitted: Option<(&[f64], &[crate::linalg::CMat])>,
+) -> IdentifyOutcome {
+    IdentifyOutcome {
+        converged: true,
+        method: method.name().to_owned(),
+        flags: Vec::new(),
+        modes: Vec::new(),
+        road: None,
+        coherence: None,
+        delay_s: None,
+        delay_sd_s: None,
+        noise: Vec::new(),
+        rejected: Vec::new(),
+        lines: lines(task),
+        parameters: Vec::new(),
+        fit: None,
+        recording: summary(task),
+        spectra: spectra_plot::plot(task, fitted),
+        stabilization: Vec::new(),
+        truth: None,
+    }
+}
+
+/// Narrow lines and families of harmonics in the band.
+fn lines(task: &Task<'_>) -> Vec<super::SpectralLine> {
+    let s = &task.spectra;
+    let bins: Vec<usize> = (1..s.freq_hz.len()).filter(|k| s.freq_hz[*k] <= 0.9 * s.rate_hz / 2.0).collect();
+    let freq: Vec<f64> = bins.iter().map(|k| s.freq_hz[*k]).collect();
+    let psd: Vec<Vec<f64>> = (0..s.channels.len())
+        .map(|i| bins.iter().map(|k| per_hz_from_two_sided(s.s[*k][(i, i)].re)).collect())
+        .collect();
+    // a spectrum too short to look for lines in has none to report
+    let found = spectral_lines(&freq, &psd, s.averages, &LineSettings::default()).unwrap_or_default();
+    found
+        .into_iter()
+        .map(|l| {
+            let names: Vec<&str> = l.channels.iter().map(|c| s.channels[*c].as_str()).collect();
+            let text = match &l.family {
+                Some(f) => format!(
+                    "harmonic {} of {:.2} Hz, not a mode (in {})",
+                    f.multiple,
+                    f.fundamental_hz,
+                    names.join(", ")
+                ),
+                None => format!("a narrow line, not a mode (in {})", names.join(", ")),
+            };
+            super::SpectralLine {
+                freq_hz: l.freq_hz,
+                over_floor: l.ratio,
+                fundamental_hz: l.family.as_ref().map(|f| f.fundamental_hz),
+                multiple: l.family.as_ref().map(|f| f.multiple as u32),
+                text,
+            }
+        })
+        .collect()
+}

@@ -1,0 +1,83 @@
+//! `identify --method ssi`: the classical estimator on a recording.
+
+use super::IdentifyMethod;
+use super::StudyError;
+use super::identify::{Task, blank};
+use super::identify_outcome::{
+    Flag, IdentifiedMode, IdentifyOutcome, RejectedMode, ShapeValue, StabilizationPole,
+};
+use crate::identify::{SsiSettings, ssi_cov};
+
+/// The rate is brought down to about this multiple of the band's end.
+const RATE_OVER_BAND: f64 = 2.56;
+/// A mode this near to a line, relative to its frequency, and damped less than that, is the line.
+const LINE_WIDTH: f64 = 0.03;
+const LINE_DAMPING: f64 = 0.05;
+
+pub(super) fn run(task: &Task<'_>) -> Result<IdentifyOutcome, StudyError> {
+    let factor = (task.recording.rate_hz() / (RATE_OVER_BAND * task.band_hz[1])).floor().max(1.0) as usize;
+    let recording = task.recording.decimated(factor)?;
+    let settings = SsiSettings { band_hz: Some(task.band_hz), ..SsiSettings::default() };
+    let found =
+        ssi_cov(recording.samples(), recording.rate_hz(), &settings).map_err(|e| StudyError::Setting {
+            field: "recording",
+            expected: "data that the subspace method can use".into(),
+            found: e.to_string(),
+        })?;
+    let mut outcome = blank(task, IdentifyMethod::Ssi, None);
+    for r in &found.rejected {
+        outcome.rejected.push(RejectedMode { freq_hz: r.freq_hz, damping: r.damping, why: r.why.clone() });
+    }
+    for mode in &found.modes {
+        let line = outcome
+            .lines
+            .iter()
+            .find(|l| (mode.freq_hz / l.freq_hz - 1.0).abs() < LINE_WIDTH && mode.damping < LINE_DAMPING);
+        if let Some(line) = line {
+            let why = format!("at the line of {:.2} Hz: {}", line.freq_hz, line.text);
+            outcome.rejected.push(RejectedMode { freq_hz: mode.freq_hz, damping: mode.damping, why });
+            continue;
+        }
+        let number = outcome.modes.len() + 1;
+        outcome.modes.push(IdentifiedMode {
+            freq_hz: mode.freq_hz,
+            freq_sd_hz: None,
+            damping: mode.damping,
+            damping_sd: None,
+            pole: mode.pole,
+            shape: mode
+                .shape
+                .iter()
+                .map(|s| ShapeValue { dof: recording.channels()[s.channel].name.clone(), re: s.re, im: s.im })
+                .collect(),
+            label: format!("mode {number}"),
+        });
+    }
+    outcome.rejected.sort_by(|a, b| a.freq_hz.total_cmp(&b.freq_hz));
+    outcome.stabilization = found
+        .diagram
+        .poles
+        .iter()
+        .map(|p| StabilizationPole {
+            order: p.order,
+            freq_hz: p.freq_hz,
+            damping: p.damping,
+            stable: p.stable(),
+            why: (!p.stable()).then(|| p.status.words().to_owned()),
+        })
+        .collect();
+    if outcome.modes.is_empty() {
+        outcome.converged = false;
+        let text =
+            "no pole is a mode by the tests of the stabilisation diagram: see what was rejected".to_owned();
+        outcome.flags.push(Flag { name: "no-modes".into(), text });
+    }
+    if task.recording.speed_m_s().is_some() {
+        let text =
+            "this method assumes white, uncorrelated forces; a road's are neither, and its frequencies and \
+                    dampings of a vehicle may be off by ten per cent and by several points"
+                .to_owned();
+        outcome.flags.push(Flag { name: "classical".into(), text });
+    }
+    Ok(outcome)
+}
