@@ -5,15 +5,15 @@
 
 #![allow(clippy::print_stdout, clippy::unwrap_used)]
 
-use rand::{Rng, SeedableRng};
-use rand_chacha::ChaCha8Rng;
+mod common;
+
+use common::{perturbed, sensors};
 use std::time::Instant;
 use washboard::cases;
 use washboard::identify::{PhysicalSettings, fit_physical};
-use washboard::lti::Parametric;
-use washboard::signal::{Channel, Direction, Place, Quantity, Segment, WelchSettings, welch};
+use washboard::signal::{Segment, WelchSettings, welch};
 use washboard::units::Convention;
-use washboard::vehicle::{DriveSettings, Flaws, ParametricVehicle, VehicleSpec, simulate};
+use washboard::vehicle::{DriveSettings, ParametricVehicle, simulate};
 
 fn main() {
     let argument = |i: usize, default: f64| std::env::args().nth(i).map_or(default, |a| a.parse().unwrap());
@@ -27,10 +27,10 @@ fn main() {
     let mut worst_z = vec![0.0; 7];
     for seed in 0..seeds {
         let settings = DriveSettings { speed_m_s: 20.0, duration_s, rate_hz: 200.0, seed };
-        let recording = simulate(&truth, &road, &sensors(), &settings).unwrap();
+        let recording = simulate(&truth, &road, &sensors("all", 0.02), &settings).unwrap();
         let begin = Instant::now();
         let spectra =
-            welch(&recording, &WelchSettings::hann(Segment::Samples(argument(4, 1024.0) as usize))).unwrap();
+            welch(&recording, &WelchSettings::hann(Segment::Samples(argument(4, 4000.0) as usize))).unwrap();
         let start = perturbed(&spec, recording.channels(), recording.wheels(), seed, 0.3);
         let (family, derivatives) =
             ParametricVehicle::new(&start, recording.channels(), recording.wheels(), &[]).unwrap();
@@ -99,37 +99,4 @@ fn main() {
         100.0 * rms(squares[3]),
         100.0 * f64::from(inside) / f64::from(asked),
     );
-}
-
-fn sensors() -> Vec<(Channel, Flaws)> {
-    [(Place::Body, "body"), (Place::Hub, "hub")]
-        .into_iter()
-        .flat_map(|(place, name)| (0..4).map(move |w| (place, name, w)))
-        .map(|(place, name, w)| {
-            let channel = Channel {
-                name: format!("{name}_{w}"),
-                quantity: Quantity::Acceleration,
-                direction: Direction::PlusZ,
-                place,
-                wheel: Some(w),
-                at_m: None,
-            };
-            (channel, Flaws { noise_ratio: 0.02, ..Flaws::default() })
-        })
-        .collect()
-}
-
-/// Every free parameter off by up to `share`, evenly in the logarithm's neighbourhood.
-fn perturbed(
-    spec: &VehicleSpec,
-    channels: &[Channel],
-    wheels: &[washboard::signal::WheelPlace],
-    seed: u64,
-    share: f64,
-) -> VehicleSpec {
-    let (family, _) = ParametricVehicle::new(spec, channels, wheels, &[]).unwrap();
-    let mut rng = ChaCha8Rng::seed_from_u64(1000 + seed);
-    let values: Vec<f64> =
-        family.start().iter().map(|v| v * (1.0 + share * rng.random_range(-1.0..=1.0))).collect();
-    family.spec_at(&values).unwrap()
 }

@@ -78,10 +78,14 @@ pub fn identify(spec: &IdentifySpec) -> Result<IdentifyRun, StudyError> {
 }
 
 /// Files by name and content.
-pub(super) type Files = Vec<(String, Vec<u8>)>;
+pub type Files = Vec<(String, Vec<u8>)>;
 
-/// Identifies a recording that is at hand; of the spec only the settings count.
-pub(super) fn identify_recording(
+/// Identifies a recording that is at hand, from a vehicle file and its name for messages; of the spec only the settings
+/// count. Returns the outcome, and vehicle.toml and road.toml to go on with.
+///
+/// # Errors
+/// As [`identify`].
+pub fn identify_recording(
     recording: &Recording,
     name: &str,
     vehicle: Option<(&str, &VehicleSpec)>,

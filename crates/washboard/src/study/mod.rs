@@ -21,7 +21,7 @@ mod spectra_plot;
 pub use demo::demo;
 pub use envelope::{Envelope, Input, SCHEMA_VERSION, is_result_of, read_result};
 pub use error::StudyError;
-pub use identify::{IdentifyRun, identify};
+pub use identify::{Files, IdentifyRun, identify, identify_recording};
 pub use identify_outcome::*;
 pub use load::{LoadedRoad, LoadedVehicle, load_road, load_vehicle};
 pub use modes::{ModesOutcome, VehicleMode, VehicleModeKind, modes};
