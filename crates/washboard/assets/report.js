@@ -9,6 +9,7 @@
     "measured": { stroke: "#0b4a72", width: 1 },
     "measured-points": { stroke: "#0b4a72", dots: 3.5, solid: true },
     "fitted": { stroke: "#e8935f", width: 4 },
+    "fitted-points": { stroke: "#e8935f", dots: 8, solid: true },
     "found": { stroke: "#b03a06", width: 2.4 },
     "high": { stroke: "#d9a58c", width: 1 },
     "low": { stroke: "#d9a58c", width: 1 },

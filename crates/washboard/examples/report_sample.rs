@@ -1,4 +1,4 @@
-//! The page of a made-up identification, to look at: `report_sample FILE.html`.
+//! The page of a made-up identification, to look at: `report_sample FILE.html [failed]`.
 //!
 //! Spectra are those of a published car on a class C road with the scatter of a twenty-minute drive; the rest is invented.
 //! Without an argument the page is built and its size printed.
@@ -24,12 +24,34 @@ const AVERAGES: f64 = 257.0;
 const CORNERS: [&str; 4] = ["front_left", "front_right", "rear_left", "rear_right"];
 
 fn main() -> Result<(), Box<dyn Error>> {
-    let page = identify_page(&sample()?, "A published car, twenty minutes on a class C road");
-    match std::env::args().nth(1) {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let mut outcome = sample()?;
+    if arguments.get(1).is_some_and(|a| a == "failed") {
+        fail(&mut outcome);
+    }
+    let page = identify_page(&outcome, "A published car, twenty minutes on a class C road");
+    match arguments.first() {
         Some(file) => files::write_whole(Path::new(&file), page.as_bytes())?,
         None => println!("{} kB", page.len() / 1000),
     }
     Ok(())
+}
+
+/// The same drive with a motion that the model does not have, and no truth to compare with.
+fn fail(outcome: &mut IdentifyOutcome) {
+    outcome.converged = false;
+    outcome.truth = None;
+    let flag = |name: &str, text: &str| Flag { name: name.into(), text: text.into() };
+    outcome.flags = vec![
+        flag("not-converged", "The fit stopped after 200 steps with a Newton decrement of 37; 1 is needed."),
+        flag("misfit", "The model does not explain the data near 14.9 Hz: χ = 36, 0.6 is the limit."),
+    ];
+    if let Some(fit) = &mut outcome.fit {
+        (fit.chi, fit.decrement, fit.iterations) = (36.0, 37.0, 200);
+        for (f, r) in fit.residual_freq_hz.iter().zip(&mut fit.residual) {
+            *r += 200.0 / (1.0 + (f - 14.9).powi(2));
+        }
+    }
 }
 
 fn sample() -> Result<IdentifyOutcome, Box<dyn Error>> {
@@ -104,7 +126,7 @@ fn sample() -> Result<IdentifyOutcome, Box<dyn Error>> {
             exponent_sd: 0.006,
             convention: Convention::OneSidedRadPerM,
             class: IsoClass::C,
-            band_rad_per_m: [0.126, 6.28],
+            band_rad_per_m: [0.126, 6.3],
         }),
         coherence: Some(IdentifiedCoherence { mu: 3.85, mu_sd: 0.07 }),
         delay_s: Some(0.132_99),

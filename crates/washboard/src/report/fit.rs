@@ -11,10 +11,15 @@ pub(super) const CHI_LIMIT: f64 = 0.6;
 /// A residual that reaches this many times [`CHI_LIMIT`] is plotted on a logarithmic scale.
 const LOG_FROM: f64 = 10.0;
 
+/// χ to the digits that are worth reading.
+pub(super) fn chi_text(chi: f64) -> String {
+    fixed(chi, if chi < 10.0 { 2 } else { 0 })
+}
+
 /// Whether the model explains the data, with the number.
 pub(super) fn chi_words(chi: f64) -> String {
     let word = if chi <= CHI_LIMIT { "explains" } else { "does not explain" };
-    format!("the model {word} the data (χ = {}, limit {CHI_LIMIT})", fixed(chi, 2))
+    format!("the model {word} the data (χ = {}, limit {CHI_LIMIT})", chi_text(chi))
 }
 
 /// Residual over frequency and the fit's numbers.
@@ -36,7 +41,12 @@ pub(super) fn residual(outcome: &IdentifyOutcome, plots: &mut Plots) -> Option<H
         let largest = fit.residual.iter().copied().filter(|r| r.is_finite()).fold(0.0, f64::max);
         let log = largest > LOG_FROM * CHI_LIMIT;
         let y_axis = Axis::new("misfit χ(f)", "", log);
-        let y_axis = if log { y_axis } else { y_axis.within(0.0, 1.1 * largest.max(CHI_LIMIT)) };
+        let smallest = fit.residual.iter().copied().filter(|r| *r > 0.0).fold(CHI_LIMIT, f64::min);
+        let y_axis = if log {
+            y_axis.within(smallest / 2.0, 2.0 * largest)
+        } else {
+            y_axis.within(0.0, 1.1 * largest.max(CHI_LIMIT))
+        };
         let mut plot = Plot::new(
             "Misfit over frequency",
             &x,

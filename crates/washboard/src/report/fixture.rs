@@ -37,7 +37,7 @@ pub(super) fn full() -> IdentifyOutcome {
             exponent_sd: 0.005,
             convention: Convention::OneSidedRadPerM,
             class: IsoClass::C,
-            band_rad_per_m: [0.126, 6.28],
+            band_rad_per_m: [0.126, 6.3],
         }),
         coherence: Some(IdentifiedCoherence { mu: 3.8, mu_sd: 0.06 }),
         delay_s: Some(0.133),

@@ -1,6 +1,6 @@
 //! What was found, in plain words, and what a reader must know before any number.
 
-use super::fit::{CHI_LIMIT, chi_words};
+use super::fit::{CHI_LIMIT, chi_text, chi_words};
 use super::html::{Html, classed, element, paragraph};
 use super::numbers::{fixed, with_sd, with_sd_in};
 use super::road::one_sided;
@@ -14,7 +14,8 @@ pub(super) fn headline(outcome: &IdentifyOutcome) -> Html {
         .and(classed("p", "finding", finding(outcome)))
         .and(if outcome.converged { flags(&outcome.flags) } else { Html::default() });
     let status = element("section", &[("class", &format!("verdict {class}")), ("id", "result")], inside);
-    status.and(tiles(outcome))
+    // figures in large type belong to a result
+    if outcome.converged { status.and(tiles(outcome)) } else { status }
 }
 
 fn verdict(outcome: &IdentifyOutcome) -> (&'static str, String) {
@@ -87,7 +88,7 @@ fn tiles(outcome: &IdentifyOutcome) -> Html {
         tiles.push(("Delay of the rear axle", format!("{} ms", with_sd(1e3 * delay, sd)), base));
     }
     if let Some(fit) = &outcome.fit {
-        tiles.push(("Misfit, χ", fixed(fit.chi, 2), format!("at most {CHI_LIMIT} is good")));
+        tiles.push(("Misfit, χ", chi_text(fit.chi), format!("at most {CHI_LIMIT} is good")));
     }
     let tile = |(name, value, more): (&str, String, String)| {
         let inside: [Html; 3] =

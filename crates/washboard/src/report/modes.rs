@@ -7,7 +7,7 @@ use super::plot::Mark;
 use crate::study::{IdentifiedMode, IdentifyOutcome, ShapeValue};
 
 /// Neighbours closer than this ratio of frequencies share one label on a plot.
-const LABEL_RATIO: f64 = 1.09;
+const LABEL_RATIO: f64 = 1.2;
 /// Components below this share of the largest have no phase worth a look.
 const NO_PHASE: f64 = 0.02;
 /// A shape's drawing: height of a row, where bars begin, the longest bar, where the clock's middle is.
@@ -173,7 +173,7 @@ mod tests {
         let labels = |f: &[f64]| -> Vec<String> {
             marks(&f.iter().map(|f| mode(*f)).collect::<Vec<_>>()).into_iter().map(|m| m.label).collect()
         };
-        assert_eq!(labels(&[1.06, 1.22, 1.29, 8.04, 8.13, 8.2]), ["1", "", "2–3", "", "", "4–6"]);
+        assert_eq!(labels(&[1.06, 1.52, 1.69, 8.04, 8.13, 8.2]), ["1", "", "2–3", "", "", "4–6"]);
         assert!(labels(&[]).is_empty());
     }
 

@@ -56,6 +56,16 @@ pub(super) fn significant(value: f64, digits: i32) -> String {
     }
 }
 
+/// A setting as people write it: up to four significant digits, no zeros at the end.
+pub(super) fn plain(value: f64) -> String {
+    let text = significant(value, 4);
+    if text.contains('.') && !text.contains('·') {
+        text.trim_end_matches('0').trim_end_matches('.').to_owned()
+    } else {
+        text
+    }
+}
+
 /// So many decimals; negative ones round to tens, hundreds …
 pub(super) fn fixed(value: f64, decimals: i32) -> String {
     if !value.is_finite() {
@@ -151,6 +161,7 @@ mod tests {
         assert_eq!(significant(4.567e-9, 3), "4.57·10⁻⁹");
         assert_eq!(significant(-1.5e12, 2), "−1.5·10¹²");
         assert_eq!(fixed(-0.0001, 2), "0.00");
+        assert_eq!([plain(200.0), plain(0.4), plain(5.12)], ["200", "0.4", "5.12"]);
         assert_eq!(signed(0.25, 1), "+0.2");
         assert_eq!(power_of_ten(-106), "10⁻¹⁰⁶");
         assert_eq!(power_of_ten(45789), "10⁴⁵⁷⁸⁹");

@@ -67,6 +67,8 @@ pub(super) enum Role {
     MeasuredPoints,
     /// Fitted: a thick light line below the measured one.
     Fitted,
+    /// Fitted, points alone: a phase, whose line would jump at ±180°.
+    FittedPoints,
     /// Found, without a measured curve beside it: a dark line.
     Found,
     /// Upper end of an interval; the lower one follows it.

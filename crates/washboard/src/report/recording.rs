@@ -2,7 +2,7 @@
 
 use super::Plots;
 use super::html::{Html, classed, element, table};
-use super::numbers::{fixed, significant};
+use super::numbers::{fixed, plain, significant};
 use crate::signal::Repair;
 use crate::study::IdentifyOutcome;
 
@@ -11,19 +11,19 @@ pub(super) fn recording(outcome: &IdentifyOutcome, _: &mut Plots) -> Option<Html
     let r = &outcome.recording;
     let mut facts = vec![
         ("description", r.name.clone()),
-        ("duration", format!("{} s ({} min)", significant(r.duration_s, 4), fixed(r.duration_s / 60.0, 1))),
-        ("sampling", format!("{} Hz", significant(r.rate_hz, 5))),
+        ("duration", format!("{} s ({} min)", plain(r.duration_s), fixed(r.duration_s / 60.0, 1))),
+        ("sampling", format!("{} Hz", plain(r.rate_hz))),
     ];
     if let Some(v) = r.speed_m_s {
         let spread = r
             .speed_spread_m_s
             .map_or_else(String::new, |s| format!(", standard deviation {} m/s", significant(s, 2)));
-        facts.push(("speed", format!("{} m/s ({} km/h){spread}", significant(v, 4), fixed(3.6 * v, 1))));
+        facts.push(("speed", format!("{} m/s ({} km/h){spread}", plain(v), fixed(3.6 * v, 1))));
     }
-    facts.push(("segments of the spectra", format!("{} s", significant(r.segment_s, 4))));
+    facts.push(("segments of the spectra", format!("{} s", plain(r.segment_s))));
     facts.push(("independent averages", fixed(r.averages, 0)));
     let [low, high] = r.band_hz;
-    facts.push(("band used", format!("{} to {} Hz", significant(low, 3), significant(high, 3))));
+    facts.push(("band used", format!("{} to {} Hz", plain(low), plain(high))));
     let facts = facts
         .into_iter()
         .map(|(name, value)| element("div", &[], element("dt", &[], name).and(element("dd", &[], value))));

@@ -5,9 +5,6 @@ use super::plot::{Axis, Plot, Role, pick, shown};
 use super::{Plots, modes};
 use crate::study::{IdentifyOutcome, PairSpectrum};
 
-/// A step of phase above this, in degrees, is a wrap and not a line to draw.
-const WRAP_DEG: f64 = 180.0;
-
 /// One small plot a channel.
 pub(super) fn auto(outcome: &IdentifyOutcome, plots: &mut Plots) -> Option<Html> {
     let (keep, x, x_axis) = abscissa(outcome)?;
@@ -71,21 +68,12 @@ fn coherence(pair: &PairSpectrum, keep: &[usize], x: &[f64], x_axis: &Axis) -> P
 
 fn phase(pair: &PairSpectrum, keep: &[usize], x: &[f64], x_axis: &Axis) -> Plot {
     let degrees = |values: &[f64]| -> Vec<Option<f64>> {
-        pick(values, keep).into_iter().map(|v| v.map(f64::to_degrees)).collect()
+        pick(values, keep).into_iter().map(|v| v.map(|v| (100.0 * v.to_degrees()).round() / 100.0)).collect()
     };
     let y_axis = Axis::new("phase", "°", false).within(-180.0, 180.0);
     Plot::new("Phase", x, x_axis.clone(), y_axis)
-        .curve("fitted", Role::Fitted, broken_at_wraps(degrees(&pair.fitted_phase_rad)))
+        .curve("fitted", Role::FittedPoints, degrees(&pair.fitted_phase_rad))
         .curve("measured", Role::MeasuredPoints, degrees(&pair.phase_rad))
-}
-
-/// A gap where the phase steps over ±180°, so that no vertical line is drawn.
-fn broken_at_wraps(phase: Vec<Option<f64>>) -> Vec<Option<f64>> {
-    let jumps = |k: usize| {
-        let before = k.checked_sub(1).and_then(|j| phase[j]);
-        matches!((before, phase[k]), (Some(a), Some(b)) if (b - a).abs() > WRAP_DEG)
-    };
-    (0..phase.len()).map(|k| phase[k].filter(|_| !jumps(k))).collect()
 }
 
 /// Which bins can be shown, where, and their scale.
@@ -117,11 +105,5 @@ mod tests {
         assert_eq!(density_unit("m/s²"), "(m/s²)²/Hz");
         assert_eq!(density_unit("m"), "m²/Hz");
         assert_eq!(density_unit("(m/s^2)^2/Hz"), "(m/s^2)^2/Hz");
-    }
-
-    #[test]
-    fn a_wrap_is_a_gap() {
-        let phase = vec![Some(-170.0), Some(175.0), None, Some(-175.0), Some(0.0)];
-        assert_eq!(broken_at_wraps(phase), [Some(-170.0), None, None, Some(-175.0), Some(0.0)]);
     }
 }
