@@ -5,6 +5,7 @@ pub mod files;
 pub mod identify;
 pub mod linalg;
 pub mod lti;
+pub mod report;
 pub mod road;
 pub mod signal;
 pub mod study;

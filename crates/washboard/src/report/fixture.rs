@@ -1,0 +1,149 @@
+//! A small outcome with something in every field, for the tests of the page.
+
+use crate::road::IsoClass;
+use crate::signal::{Repair, RepairKind};
+use crate::study::*;
+use crate::units::Convention;
+
+/// A name that would break out of markup, attribute or script.
+pub(super) const NASTY: &str = "</script><img src=x onerror=alert(1)>";
+
+/// Everything at once, with [`NASTY`] for every name that comes from a file.
+pub(super) fn full() -> IdentifyOutcome {
+    let name = || NASTY.to_owned();
+    let freq_hz: Vec<f64> = (0..40).map(|k| 0.5 * f64::from(k)).collect();
+    let wave = |a: f64| freq_hz.iter().map(|f| a * (1.0 + f.sin().abs())).collect::<Vec<_>>();
+    let mode = |freq_hz: f64, label: &str| IdentifiedMode {
+        freq_hz,
+        freq_sd_hz: Some(0.0123),
+        damping: 0.28,
+        damping_sd: Some(0.0012),
+        pole: [-2.0, 6.0],
+        shape: vec![
+            ShapeValue { dof: "heave".into(), re: 1.0, im: 0.0 },
+            ShapeValue { dof: name(), re: 0.1, im: 0.2 },
+        ],
+        label: label.into(),
+    };
+    IdentifyOutcome {
+        converged: true,
+        method: "physical".into(),
+        flags: vec![Flag { name: name(), text: format!("the flag says {NASTY}") }],
+        modes: vec![mode(1.064, "heave"), mode(8.044, NASTY)],
+        road: Some(IdentifiedRoad {
+            roughness_m3: 14.91e-6,
+            roughness_sd_m3: 0.2e-6,
+            exponent: 2.004,
+            exponent_sd: 0.005,
+            convention: Convention::OneSidedRadPerM,
+            class: IsoClass::C,
+            band_rad_per_m: [0.126, 6.3],
+        }),
+        coherence: Some(IdentifiedCoherence { mu: 3.8, mu_sd: 0.06 }),
+        delay_s: Some(0.133),
+        delay_sd_s: Some(0.00001),
+        noise: vec![ChannelNoise { channel: name(), floor_per_hz: 1e-5, rms: 0.03 }],
+        rejected: (0..40)
+            .map(|k| RejectedMode { freq_hz: f64::from(k), damping: 0.1, why: format!("{k} {NASTY}") })
+            .collect(),
+        lines: vec![SpectralLine {
+            freq_hz: 25.0,
+            over_floor: 40.0,
+            fundamental_hz: Some(12.5),
+            multiple: Some(2),
+            text: name(),
+        }],
+        parameters: vec![FittedParameter { name: name(), value: 15740.0, sd: 38.0, start: 20000.0 }],
+        fit: Some(FitQuality {
+            cost: -1234.5,
+            decrement: 0.3,
+            chi: 0.39,
+            residual_freq_hz: freq_hz.clone(),
+            residual: wave(0.3),
+            iterations: 12,
+            evaluations: 15,
+        }),
+        recording: RecordingSummary {
+            name: name(),
+            duration_s: 1200.0,
+            rate_hz: 200.0,
+            speed_m_s: Some(20.0),
+            speed_spread_m_s: Some(0.1),
+            channels: vec![ChannelSummary {
+                name: name(),
+                quantity: "acceleration".into(),
+                unit: "m/s²".into(),
+                place: "body".into(),
+                wheel: Some(name()),
+                rms: 1.2,
+            }],
+            repairs: vec![Repair {
+                channel: Some(name()),
+                what: RepairKind::GapFilled,
+                text: format!("interpolated {NASTY}"),
+                count: 3,
+                start_s: Some(1.0),
+            }],
+            segment_s: 5.0,
+            averages: 256.0,
+            band_hz: [0.4, 20.0],
+        },
+        spectra: SpectraPlot {
+            freq_hz: freq_hz.clone(),
+            channels: vec![ChannelSpectrum {
+                channel: name(),
+                unit: "m/s²".into(),
+                measured: wave(1.0),
+                fitted: wave(1.1),
+            }],
+            pairs: vec![PairSpectrum {
+                first: name(),
+                second: "b\u{2028}".into(),
+                coherence: wave(0.4),
+                fitted_coherence: wave(0.41),
+                phase_rad: wave(1.0),
+                fitted_phase_rad: wave(1.1),
+            }],
+        },
+        stabilization: vec![StabilizationPole {
+            order: 10,
+            freq_hz: 1.06,
+            damping: 0.28,
+            stable: false,
+            why: Some(name()),
+        }],
+        truth: Some(Truth {
+            modes: vec![TrueMode { label: name(), freq_hz: 8.04421, damping: 0.26023 }],
+            roughness_m3: 16e-6,
+            exponent: 2.0,
+            mu: Some(3.8),
+            delay_s: 0.133,
+            parameters: vec![(name(), 15750.0)],
+        }),
+    }
+}
+
+/// What SSI finds in a recording without a speed: neither road nor fit nor truth.
+pub(super) fn sparse() -> IdentifyOutcome {
+    let mut outcome = IdentifyOutcome {
+        method: "ssi".into(),
+        flags: vec![Flag { name: "no-speed".into(), text: "no speed is declared".into() }],
+        road: None,
+        coherence: None,
+        delay_s: None,
+        delay_sd_s: None,
+        noise: Vec::new(),
+        rejected: Vec::new(),
+        lines: Vec::new(),
+        parameters: Vec::new(),
+        fit: None,
+        truth: None,
+        ..full()
+    };
+    outcome.recording.speed_m_s = None;
+    outcome.recording.repairs.clear();
+    for channel in &mut outcome.spectra.channels {
+        channel.fitted.clear();
+    }
+    outcome
+}
