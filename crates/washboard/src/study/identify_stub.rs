@@ -19,9 +19,7 @@ pub struct IdentifyRun {
 /// # Errors
 /// Always.
 pub fn identify(spec: &IdentifySpec) -> Result<IdentifyRun, StudyError> {
-    if !spec.method.exists() {
-        return Err(not_yet(spec.method.name(), "there are physical and ssi"));
-    }
+    spec.check()?;
     let recording = read_recording(&spec.recording)?;
     if let Some(seconds) = spec.segment_s {
         welch(&recording, &WelchSettings::hann(Segment::Seconds(seconds)))?;
