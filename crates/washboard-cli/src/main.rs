@@ -6,7 +6,6 @@
 mod args;
 mod commands;
 mod output;
-mod page;
 mod table;
 
 use clap::{Parser, Subcommand};

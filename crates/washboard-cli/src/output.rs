@@ -85,7 +85,7 @@ impl Failure {
             });
             let _ = print(&format!("{answer:#}\n"));
         }
-        eprintln!("washboard: {}", self.message);
+        eprintln!("error: {}", self.message);
         ExitCode::from(if self.wrong_input { 2 } else { 1 })
     }
 }

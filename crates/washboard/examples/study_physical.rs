@@ -23,8 +23,8 @@ fn main() {
     let road = cases::road("iso8608-c").unwrap();
     let true_modes = truth.modes().unwrap();
     let (mut squares, mut inside, mut asked) = ([0.0; 5], 0, 0);
-    let mut worst_f = vec![0.0; 7];
-    let mut worst_z = vec![0.0; 7];
+    let mut worst_f = [0.0; 7];
+    let mut worst_z = [0.0; 7];
     for seed in 0..seeds {
         let settings = DriveSettings { speed_m_s: 20.0, duration_s, rate_hz: 200.0, seed };
         let recording = simulate(&truth, &road, &sensors("all", 0.02), &settings).unwrap();

@@ -52,7 +52,28 @@ pub fn run(arguments: Arguments, output: Output) -> Result<ExitCode, Failure> {
 fn table(list: &List) -> String {
     let mut table = Table::new(&["<name", "<kind", "<source"]);
     for case in &list.cases {
-        table.row([format!("case:{}", case.name), case.kind.to_owned(), case.citation.clone()]);
+        for (i, line) in wrapped(&case.citation).into_iter().enumerate() {
+            let [name, kind] = if i == 0 {
+                [format!("case:{}", case.name), case.kind.to_owned()]
+            } else {
+                [String::new(), String::new()]
+            };
+            table.row([name, kind, line]);
+        }
     }
     table.text()
+}
+
+/// Lines of at most 80 letters.
+fn wrapped(text: &str) -> Vec<String> {
+    let mut lines = vec![String::new()];
+    for word in text.split_whitespace() {
+        let last = lines.len() - 1;
+        match lines[last].chars().count() {
+            0 => lines[last] += word,
+            n if n + word.chars().count() < 80 => lines[last] += &format!(" {word}"),
+            _ => lines.push(word.to_owned()),
+        }
+    }
+    lines
 }

@@ -2,7 +2,6 @@
 
 use crate::args::{pair, word};
 use crate::output::{Failure, Output};
-use crate::page::identify_page;
 use crate::table::{Table, number, percent, with_sd};
 use clap::Args;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
@@ -10,6 +9,7 @@ use std::fmt::Write;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use washboard::files::{check_target_directory, write_directory};
+use washboard::report::identify_page;
 use washboard::study::{Envelope, IdentifyMethod, IdentifyOutcome, IdentifyRun, IdentifySpec, identify};
 use washboard::units::Convention;
 

@@ -51,7 +51,11 @@ fn shapes(outcome: &ModesOutcome) -> String {
     for dof in 0..dofs {
         let cells = outcome.modes.iter().map(|m| {
             let s = &m.shape[dof];
-            format!("{:.3} ∠{:.0}°", s.re.hypot(s.im), s.im.atan2(s.re).to_degrees())
+            match s.re.hypot(s.im) {
+                size if size < 5e-4 => "0".to_owned(),
+                // adding 0.0 makes a zero of a negative one
+                size => format!("{size:.3} ∠{:.0}°", s.im.atan2(s.re).to_degrees().round() + 0.0),
+            }
         });
         table.row(std::iter::once(outcome.modes[0].shape[dof].dof.clone()).chain(cells));
     }

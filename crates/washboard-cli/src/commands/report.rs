@@ -1,12 +1,12 @@
 //! `washboard report`: the page again from result.json.
 
 use crate::output::{Failure, Output};
-use crate::page::identify_page;
 use clap::Args;
 use serde::Serialize;
 use std::path::PathBuf;
 use std::process::ExitCode;
 use washboard::files::write_whole;
+use washboard::report::identify_page;
 use washboard::study::{Envelope, IdentifyOutcome, read_result};
 
 /// Write report.html again from result.json.

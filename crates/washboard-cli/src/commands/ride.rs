@@ -50,7 +50,7 @@ fn table(outcome: &RideOutcome) -> String {
             None => rows.push((name, vec![])),
         }
     }
-    let header: Vec<String> = ["<rms at a speed of {} m/s".replace("{}", &number(outcome.speed_m_s))]
+    let header: Vec<String> = [format!("<rms at {} m/s", outcome.speed_m_s)]
         .into_iter()
         .chain(["<unit".to_owned(), "whole".to_owned()])
         .chain(places.iter().map(|p| p.replace('_', " ")))

@@ -68,14 +68,11 @@ fn table(o: &SimulateOutcome) -> String {
         let (quantity, unit) = (c.quantity.name().to_owned(), c.unit.clone());
         table.row([c.name.clone(), quantity, unit, number(c.rms), number(c.noise_rms)]);
     }
-    let seconds = number(o.samples as f64 / o.rate_hz);
+    let seconds = o.samples as f64 / o.rate_hz;
     let delay = o.delay_s.map_or_else(String::new, |d| format!(", rear axle {} s behind", number(d)));
     let drive = format!(
         "{} samples at {} Hz ({seconds} s) at {} m/s{delay}, seed {}\n",
-        o.samples,
-        number(o.rate_hz),
-        number(o.speed_m_s),
-        o.seed
+        o.samples, o.rate_hz, o.speed_m_s, o.seed
     );
     table.text() + &drive + &format!("wrote {}\n", o.files.join(", "))
 }

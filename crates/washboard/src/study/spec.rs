@@ -1,5 +1,6 @@
 //! What a job is told: exactly what a command line gives, as data.
 
+use super::StudyError;
 use crate::units::Convention;
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
@@ -88,6 +89,35 @@ pub struct IdentifySpec {
     /// What the road's roughness is reported as a density of.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub convention: Option<Convention>,
+}
+
+impl IdentifySpec {
+    /// Refuses what no recording can satisfy: to be asked first.
+    ///
+    /// # Errors
+    /// A method that is to come, a segment that is not positive, a band that is none.
+    pub fn check(&self) -> Result<(), StudyError> {
+        if !self.method.exists() {
+            let name = self.method.name().to_owned();
+            let instead = "this version has `physical` and `ssi`";
+            return Err(StudyError::NotYet { field: "method", name, instead });
+        }
+        let setting = |field, expected: &str, found| {
+            Err(StudyError::Setting { field, expected: expected.to_owned(), found })
+        };
+        match self.segment_s {
+            Some(s) if !(s.is_finite() && s > 0.0) => {
+                return setting("segment_s", "a positive number", s.to_string());
+            }
+            _ => {}
+        }
+        match self.band_hz {
+            Some([low, high]) if !(low >= 0.0 && high > low && high.is_finite()) => {
+                setting("band_hz", "two frequencies from 0, ascending", format!("[{low}, {high}]"))
+            }
+            _ => Ok(()),
+        }
+    }
 }
 
 /// The methods of identification.

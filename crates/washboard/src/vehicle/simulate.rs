@@ -386,11 +386,11 @@ fn spoil(data: &mut [f64], flaws: &Flaws, rng: &mut ChaCha8Rng) -> f64 {
 fn even_smooth(at_least: usize) -> usize {
     let smooth = |mut n: usize| {
         for p in [2, 3, 5, 7] {
-            while n % p == 0 {
+            while n.is_multiple_of(p) {
                 n /= p;
             }
         }
         n == 1
     };
-    (at_least.max(2)..).find(|n| n % 2 == 0 && smooth(*n)).unwrap_or(at_least)
+    (at_least.max(2)..).find(|n| n.is_multiple_of(2) && smooth(*n)).unwrap_or(at_least)
 }
