@@ -114,6 +114,7 @@ fn sample() -> Result<IdentifyOutcome, Box<dyn Error>> {
     Ok(IdentifyOutcome {
         converged: true,
         method: "physical".into(),
+        notes: vec![],
         flags: vec![Flag {
             name: "weak-parameter".into(),
             text: "The tyre damping is known to 12 % only: it hardly shows in this drive.".into(),

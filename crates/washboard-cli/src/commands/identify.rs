@@ -93,6 +93,9 @@ fn table(o: &IdentifyOutcome) -> String {
     for flag in &o.flags {
         let _ = writeln!(text, "! {}: {}", flag.name, flag.text);
     }
+    for note in &o.notes {
+        let _ = writeln!(text, "note: {}", note.text);
+    }
     text += "\n";
     text += &modes(o);
     text += "\n";

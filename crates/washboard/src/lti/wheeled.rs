@@ -75,6 +75,10 @@ pub trait Parametric: Sync {
     fn names(&self) -> Vec<String>;
     /// Their values at the start, all positive.
     fn start(&self) -> Vec<f64>;
+    /// Between which values each may move; by default a factor of e⁴ ≈ 55 from the start.
+    fn limits(&self) -> Vec<[f64; 2]> {
+        self.start().iter().map(|v| [v * (-4.0f64).exp(), v * 4.0f64.exp()]).collect()
+    }
     /// The system at given values.
     ///
     /// # Errors

@@ -4,10 +4,9 @@ use super::html::{Html, note, paragraph, table};
 use super::numbers::{fixed, interval, significant, with_sd};
 use super::plot::{Axis, Line, Plot, Role, pick, shown};
 use super::{Plots, modes};
+use crate::identify::CHI_LIMIT;
 use crate::study::IdentifyOutcome;
 
-/// χ above which a model does not explain the data.
-pub(super) const CHI_LIMIT: f64 = 0.6;
 /// A residual that reaches this many times [`CHI_LIMIT`] is plotted on a logarithmic scale.
 const LOG_FROM: f64 = 10.0;
 
@@ -85,7 +84,6 @@ pub(super) fn parameters(outcome: &IdentifyOutcome, _: &mut Plots) -> Option<Htm
         ]
     });
     let heads = ["parameter (unit in its name)", "# found", "# 95 % interval", "# start"];
-    let words = "A drive alone tells masses, stiffnesses and damper rates only up to one common factor: that factor is \
-                 the scale given to the fit. Frequencies, damping, road and coherence do not depend on it.";
-    Some(table("Fitted parameters", &heads, rows.collect()).and(note(words)))
+    let notes: Html = outcome.notes.iter().map(|n| note(n.text.as_str())).collect();
+    Some(table("Fitted parameters", &heads, rows.collect()).and(notes))
 }

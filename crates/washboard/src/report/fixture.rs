@@ -28,6 +28,7 @@ pub(super) fn full() -> IdentifyOutcome {
     IdentifyOutcome {
         converged: true,
         method: "physical".into(),
+        notes: vec![],
         flags: vec![Flag { name: name(), text: format!("the flag says {NASTY}") }],
         modes: vec![mode(1.064, "heave"), mode(8.044, NASTY)],
         road: Some(IdentifiedRoad {
@@ -127,6 +128,7 @@ pub(super) fn full() -> IdentifyOutcome {
 pub(super) fn sparse() -> IdentifyOutcome {
     let mut outcome = IdentifyOutcome {
         method: "ssi".into(),
+        notes: vec![],
         flags: vec![Flag { name: "no-speed".into(), text: "no speed is declared".into() }],
         road: None,
         coherence: None,

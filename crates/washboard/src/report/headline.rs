@@ -1,9 +1,10 @@
 //! What was found, in plain words, and what a reader must know before any number.
 
-use super::fit::{CHI_LIMIT, chi_text, chi_words};
+use super::fit::{chi_text, chi_words};
 use super::html::{Html, classed, element, paragraph};
 use super::numbers::{fixed, with_sd, with_sd_in};
 use super::road::one_sided;
+use crate::identify::CHI_LIMIT;
 use crate::study::{Flag, IdentifyOutcome};
 
 /// Box with verdict, sentence and flags; then the few figures that everybody asks for.

@@ -69,6 +69,7 @@ const SECTIONS: &[(&str, &str, Draw)] = &[
 ///     converged: true,
 ///     method: "ssi".into(),
 ///     flags: Vec::new(),
+///     notes: Vec::new(),
 ///     modes: Vec::new(),
 ///     road: None,
 ///     coherence: None,

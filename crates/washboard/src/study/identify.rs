@@ -203,6 +203,7 @@ pub(super) fn blank(
         converged: true,
         method: method.name().to_owned(),
         flags: Vec::new(),
+        notes: Vec::new(),
         modes: Vec::new(),
         road: None,
         coherence: None,

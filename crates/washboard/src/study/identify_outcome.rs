@@ -13,6 +13,9 @@ pub struct IdentifyOutcome {
     pub method: String,
     /// What a reader must know before the numbers, in words.
     pub flags: Vec<Flag>,
+    /// What holds for every result of the method, in words: no warnings.
+    #[serde(default)]
+    pub notes: Vec<Flag>,
     /// The modes, ascending in frequency.
     pub modes: Vec<IdentifiedMode>,
     /// The road's roughness, where the method finds it.

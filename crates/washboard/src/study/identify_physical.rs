@@ -110,7 +110,7 @@ fn fill(
     let flag = |(name, text): &(&'static str, String)| Flag { name: (*name).to_owned(), text: text.clone() };
     outcome.converged = found.problems.is_empty();
     outcome.flags.extend(found.problems.iter().chain(&found.remarks).map(flag));
-    outcome.flags.push(Flag {
+    outcome.notes.push(Flag {
         name: "scale-held".into(),
         text: "responses do not show the common scale of masses, stiffnesses and dampers: the sprung mass is the vehicle \
                file's, and the others are relative to it; modes, road and delay do not depend on it"

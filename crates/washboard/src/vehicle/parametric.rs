@@ -20,6 +20,11 @@ const HELD: [&str; 8] = [
 /// The longitudinal place of the c.g. between the axles: moved through `front_axle_m` at a fixed wheelbase.
 const CG: &str = "front_axle_m";
 
+/// Where the c.g. may be, as shares of the wheelbase behind the front axle.
+const CG_RANGE: [f64; 2] = [0.1, 0.9];
+/// Other parameters may move by a factor of e⁴ ≈ 55.
+const REACH: f64 = 4.0;
+
 /// A vehicle file under the sensors of a recording, with its positive numbers as parameters.
 ///
 /// Free are all masses, inertias, stiffnesses and dampings that are not zero in the file (a zero says that the part is
@@ -127,6 +132,17 @@ impl Parametric for ParametricVehicle {
 
     fn start(&self) -> Vec<f64> {
         self.start.clone()
+    }
+
+    fn limits(&self) -> Vec<[f64; 2]> {
+        let around = |v: &f64| [v * (-REACH).exp(), v * REACH.exp()];
+        let mut limits: Vec<[f64; 2]> = self.start.iter().map(around).collect();
+        if let (Some(i), Some(l)) =
+            (self.paths.iter().position(|p| p[..] == [CG.to_owned()]), self.wheelbase_m)
+        {
+            limits[i] = CG_RANGE.map(|share| share * l);
+        }
+        limits
     }
 
     fn system(&self, values: &[f64]) -> Result<WheeledSystem, String> {

@@ -19,8 +19,6 @@ const STEP_VEHICLE: f64 = 0.7;
 const EXPONENTS: [f64; 2] = [0.3, 4.0];
 /// ln μ is refused outside.
 const LN_MU: [f64; 2] = [-4.6, 4.6];
-/// A vehicle's parameter may move this far (factor e⁴ ≈ 55) from its start.
-const REACH: f64 = 4.0;
 /// ln of the delay's factor: the speed is not 20 % off.
 const LN_DELAY: f64 = 0.2;
 /// Converged: a step gains less than this, and the Newton decrement is below that.
@@ -53,7 +51,7 @@ pub(super) fn search(model: &Model<'_>, start: &[f64]) -> Result<Search, String>
         for (c, t) in theta[layout.noise..].iter_mut().enumerate() {
             *t = (kappa * model.data.noise[c]).max(LEAST_NOISE).ln();
         }
-        let limits = limits(layout, start, kappa > 1.0);
+        let limits = limits(model, start, kappa > 1.0);
         let end = descend(model, &theta, &added, &limits, MAX_STEPS[stage], kappa > 1.0)?;
         evaluations += end.evaluations;
         steps += end.steps;
@@ -66,11 +64,12 @@ pub(super) fn search(model: &Model<'_>, start: &[f64]) -> Result<Search, String>
     Ok(end)
 }
 
-fn limits(layout: &Layout, start: &[f64], held: bool) -> Vec<[f64; 2]> {
+fn limits(model: &Model<'_>, start: &[f64], held: bool) -> Vec<[f64; 2]> {
+    let (layout, vehicle) = (&model.layout, model.vehicle.limits());
     (0..layout.len())
         .map(|i| {
             if i < layout.vehicle {
-                [start[i] - REACH, start[i] + REACH]
+                vehicle[i].map(f64::ln)
             } else if i == layout.s0() {
                 [start[i] - 8.0, start[i] + 8.0]
             } else if i == layout.exponent() {

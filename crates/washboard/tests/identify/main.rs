@@ -1,0 +1,9 @@
+//! Identification of simulated drives: accuracy, intervals, and what must be refused.
+
+#![allow(clippy::unwrap_used, clippy::expect_used)]
+
+#[path = "../../examples/common/mod.rs"]
+mod common;
+
+mod other_drives;
+mod physical;
