@@ -14,10 +14,10 @@ use washboard::study::{Envelope, SCHEMA_VERSION, StudyError};
 #[derive(Debug, Clone, Copy, Args)]
 pub struct Output {
     /// Print one JSON object and nothing else.
-    #[arg(long, global = true)]
+    #[arg(long, global = true, display_order = 900)]
     pub json: bool,
     /// No progress on standard error.
-    #[arg(long, global = true)]
+    #[arg(long, global = true, display_order = 900)]
     pub quiet: bool,
 }
 

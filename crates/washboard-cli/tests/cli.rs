@@ -130,6 +130,23 @@ fn simulate_writes_three_files_and_the_same_ones_again() {
 }
 
 #[test]
+fn report_writes_the_page_again_from_the_result() {
+    let folder = Folder::new("report");
+    let result = include_str!("../../washboard/tests/golden/outcome-identify.json");
+    fs::create_dir(folder.0.join("found")).unwrap();
+    folder.file("found/result.json", result);
+    assert_eq!(folder.ok("report found"), "wrote found/report.html\n");
+    assert_eq!(folder.json("report found")["report"], "found/report.html");
+    let page = fs::read_to_string(folder.0.join("found/report.html")).unwrap();
+    assert!(page.to_lowercase().starts_with("<!doctype html>"), "{page}");
+    folder.file("found/result.json", &result.replace("\"converged\"", "\"konverged\""));
+    folder.wrong("report found", &["found/result.json:", "missing field `converged`"]);
+    folder.ok(SIMULATE);
+    fs::copy(folder.0.join("RUN.truth.json"), folder.0.join("found/result.json")).unwrap();
+    folder.wrong("report found", &["found/result.json:", "missing field"]);
+}
+
+#[test]
 fn a_reader_that_goes_away_is_no_error() {
     let mut child = Command::new(env!("CARGO_BIN_EXE_washboard"))
         .args(["ride", "case:chalasani-full-car", "--road", "case:iso8608-b", "--speed-m-s", "20", "--json"])

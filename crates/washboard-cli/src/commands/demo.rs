@@ -18,7 +18,7 @@ pub struct Arguments {
     #[arg(long, default_value_t = 0)]
     seed: u64,
     /// Where the report goes [default: washboard-demo, where an earlier demo is replaced].
-    #[arg(short, value_name = "DIR")]
+    #[arg(short, long, value_name = "DIR")]
     output: Option<PathBuf>,
     /// Replace a directory that is not empty.
     #[arg(long)]

@@ -35,7 +35,7 @@ pub struct Arguments {
     #[arg(long, value_name = "C", value_parser = word::<Convention>)]
     convention: Option<Convention>,
     /// Write result.json, vehicle.toml, road.toml and report.html here.
-    #[arg(short, value_name = "DIR")]
+    #[arg(short, long, value_name = "DIR")]
     output: Option<PathBuf>,
     /// Replace a directory that is not empty.
     #[arg(long)]

@@ -37,7 +37,7 @@ pub struct Arguments {
     #[arg(long, default_value_t = 0)]
     seed: u64,
     /// The data file; an earlier simulated drive of this name is replaced.
-    #[arg(short, value_name = "RUN.csv")]
+    #[arg(short, long, value_name = "RUN.csv")]
     output: PathBuf,
 }
 

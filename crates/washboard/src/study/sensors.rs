@@ -122,6 +122,11 @@ pub(super) fn read_sensors(
             FileError::content(path, None, "sensor: expected at least one [[sensor]], found none").into()
         );
     }
+    let names: Vec<&str> = file.sensors.iter().map(|s| s.name.as_str()).collect();
+    if let Some(i) = (0..names.len()).find(|i| names[..*i].contains(&names[*i])) {
+        let message = format!("sensor `{}`: name: expected each name once, found it twice", names[i]);
+        return Err(FileError::content(path, None, message).into());
+    }
     let wheels = wheel_places(loaded);
     file.sensors
         .into_iter()
@@ -235,5 +240,7 @@ mod tests {
             let e = read(&good.replace(from, to)).unwrap_err();
             assert!(e.contains(expected), "{e}");
         }
+        let e = read(&format!("{good}{good}")).unwrap_err();
+        assert!(e.contains("s.toml: sensor `a`: name: expected each name once"), "{e}");
     }
 }

@@ -8,7 +8,7 @@ use super::{
 use crate::files::{FileError, read_text};
 use crate::road::{Coherence, RoadSpec};
 use crate::signal::{ChannelDescription, Column, Quantity, Recording, RecordingDescription, Unit};
-use crate::vehicle::{Drive, DriveSettings, VehicleSpec, drive};
+use crate::vehicle::{Drive, DriveSettings, SimulateError, VehicleSpec, drive};
 use serde::{Deserialize, Serialize};
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
@@ -122,7 +122,10 @@ pub fn simulate(spec: &SimulateSpec) -> Result<SimulateRun, StudyError> {
         seed: spec.seed,
     };
     let channels: Vec<_> = sensors.iter().map(|s| (s.channel.clone(), s.flaws)).collect();
-    let driven = drive(&loaded.vehicle, &road.road, &channels, &settings)?;
+    let driven = drive(&loaded.vehicle, &road.road, &channels, &settings).map_err(|e| match e {
+        SimulateError::Ride(source) => StudyError::Ride { name: loaded.name.clone(), source },
+        other => other.into(),
+    })?;
     let delay_s = delay_s(&loaded, &road, spec.speed_m_s);
     let truth = truth(&loaded, &road, &driven, &settings, delay_s)?;
     let outcome = outcome(&driven, &names, spec.seed, delay_s);
