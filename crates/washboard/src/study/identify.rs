@@ -5,6 +5,7 @@ use super::{
     IdentifyMethod, IdentifySpec, Input, StudyError, identify_physical, identify_ssi, load_vehicle,
     spectra_plot,
 };
+use crate::files::FileError;
 use crate::identify::{LineSettings, spectral_lines};
 use crate::signal::{
     CrossSpectra, Recording, RecordingDescription, Segment, WelchSettings, read_recording, welch,
@@ -51,10 +52,8 @@ pub(super) struct Task<'a> {
 /// A recording or vehicle file that is wrong, settings that do not fit them. A method that ended without success is an
 /// outcome with `converged = false` and flags that say why.
 pub fn identify(spec: &IdentifySpec) -> Result<IdentifyRun, StudyError> {
-    if !spec.method.exists() {
-        let name = spec.method.name().to_owned();
-        return Err(StudyError::NotYet { field: "method", name, instead: "there are physical and ssi" });
-    }
+    spec.check()?;
+    let recording = read_recording(&spec.recording)?;
     let start = match (&spec.vehicle, spec.method) {
         (Some(name), _) => Some(load_vehicle(name)?),
         (None, IdentifyMethod::Physical) => {
@@ -68,12 +67,19 @@ pub fn identify(spec: &IdentifySpec) -> Result<IdentifyRun, StudyError> {
         }
         (None, _) => None,
     };
-    let recording = read_recording(&spec.recording)?;
     let mut inputs = recording_inputs(&spec.recording)?;
     inputs.extend(start.iter().flat_map(|s| s.inputs.clone()));
     let name = spec.recording.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
     let vehicle = start.as_ref().map(|s| (s.name.as_str(), &s.spec));
-    let (outcome, files) = identify_recording(&recording, &name, vehicle, spec)?;
+    let (outcome, files) = identify_recording(&recording, &name, vehicle, spec).map_err(|e| match e {
+        // what does not fit is about this recording: name it
+        StudyError::Signal(source) => FileError::content(&spec.recording, None, source.to_string()).into(),
+        StudyError::Setting { field, expected, found } => {
+            let message = format!("{field}: expected {expected}, found {found}");
+            FileError::content(&spec.recording, None, message).into()
+        }
+        other => other,
+    })?;
     Ok(IdentifyRun { outcome, files, inputs })
 }
 

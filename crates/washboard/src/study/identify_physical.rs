@@ -8,10 +8,12 @@ use super::identify_outcome::{
 use super::{IdentifyMethod, StudyError};
 use crate::identify::{PhysicalOutcome, PhysicalSettings, fit_physical};
 use crate::road::{CoherenceSpec, IsoClass, RoadSpec};
-use crate::signal::{Segment, WelchSettings, welch};
+use crate::signal::{CrossSpectra, Segment, WelchSettings, welch};
 use crate::units::{Convention, per_hz_from_two_sided, rad_per_s};
 use crate::vehicle::{ParametricVehicle, Vehicle, VehicleError, VehicleSpec};
 
+/// Pieces of the recording whose spread widens the intervals.
+const BLOCKS: usize = 24;
 /// Wheelbases of the recording and of the vehicle file may differ by this share.
 const WHEELBASE_TOLERANCE: f64 = 0.02;
 
@@ -49,7 +51,7 @@ pub(super) fn run(
     let (family, derivatives) =
         ParametricVehicle::new(start, recording.channels(), recording.wheels(), &[]).map_err(of_file)?;
     let settings = PhysicalSettings { speed_m_s, band_hz: task.band_hz, convention: task.convention };
-    let found = match fit_physical(&family, &derivatives, &task.spectra, &settings) {
+    let found = match fit_physical(&family, &derivatives, &task.spectra, &blocks(&task)?, &settings) {
         Ok(found) => found,
         // too few sensors is an answer, not a mistake in a file
         Err(crate::identify::PhysicalError::OneChannel { channel }) => {
@@ -81,6 +83,20 @@ pub(super) fn run(
     }
     let files = if outcome.converged { files(&fitted, &outcome) } else { Vec::new() };
     Ok((outcome, files))
+}
+
+/// Spectra of equal pieces of the recording, two segments long at least: what the intervals are checked by.
+fn blocks(task: &Task<'_>) -> Result<Vec<CrossSpectra>, StudyError> {
+    let (len, total) = (task.spectra.segment_len, task.recording.len());
+    let count = BLOCKS.min(total / (2 * len));
+    let rate = task.recording.rate_hz();
+    (0..count)
+        .map(|b| {
+            let edge = |i: usize| (i * total / count) as f64 / rate;
+            let piece = task.recording.between(edge(b), edge(b + 1))?;
+            Ok(welch(&piece, &WelchSettings::hann(Segment::Samples(len)))?)
+        })
+        .collect()
 }
 
 /// Delays come from the vehicle's wheelbase: a recording that says another one is of another car.

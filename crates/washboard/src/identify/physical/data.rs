@@ -61,6 +61,16 @@ impl BandData {
     }
 }
 
+impl BandData {
+    /// The same bins of another estimate of the same channels, scaled alike.
+    pub fn scaled(&self, spectra: &CrossSpectra) -> Vec<CMat> {
+        let n = self.scale.len();
+        (self.first..self.first + self.omega.len())
+            .map(|k| CMat::from_fn(n, n, |i, j| spectra.s[k][(i, j)] / (self.scale[i] * self.scale[j])))
+            .collect()
+    }
+}
+
 /// Median over frequency of 1/[Ŝ⁻¹]ᵢᵢ, what the other channels cannot explain, freed of its bias K/(K − n + 1).
 fn noise_floors(spectra: &CrossSpectra, scaled: &dyn Fn(usize) -> CMat, n: usize) -> Vec<f64> {
     let k = spectra.averages;

@@ -84,7 +84,7 @@ pub struct PhysicalSettings {
 pub struct Estimate {
     /// Value.
     pub value: f64,
-    /// Standard deviation, from the Fisher information.
+    /// Standard deviation: Fisher information, widened by the spread over blocks.
     pub sd: f64,
 }
 
@@ -123,6 +123,8 @@ pub struct PhysicalOutcome {
     pub decrement: f64,
     /// Steps taken, evaluations made.
     pub work: [usize; 2],
+    /// Factors by which the standard deviations of the vehicle's and of the road's parameters were widened.
+    pub widened: [f64; 2],
 }
 
 /// Fits a vehicle and its road to measured spectra.
@@ -130,7 +132,9 @@ pub struct PhysicalOutcome {
 /// Minimises n_avg Σ_k (ln|S(ω_k)| + tr S⁻¹Ŝ(ω_k)) over the logarithms of the vehicle's free parameters, S₀, e, μ, the
 /// delay and a noise floor a channel, where S = W * (H* S_r Hᵀ) + N is the model seen through the window's kernel.
 /// `derivatives[i]` says whether channel i measures displacement (0), velocity (1) or acceleration (2) of the vehicle's
-/// row i.
+/// row i. `blocks` are spectra of equal pieces of the same recording with the same segments (at least 8): the spread of
+/// the likelihood's gradient over them widens the standard deviations where the Fisher information is too sure; none
+/// leaves them as they are.
 ///
 /// The common scale of masses, stiffnesses and dampers cannot be seen in responses: hold one of them.
 ///
@@ -140,6 +144,7 @@ pub fn fit_physical(
     vehicle: &dyn Parametric,
     derivatives: &[usize],
     spectra: &CrossSpectra,
+    blocks: &[CrossSpectra],
     settings: &PhysicalSettings,
 ) -> Result<PhysicalOutcome, PhysicalError> {
     if spectra.channels.len() < 2 {
@@ -158,6 +163,7 @@ pub fn fit_physical(
         convention: settings.convention,
         layout,
         data: &data,
+        averages: spectra.averages,
     };
     let mut theta = vec![0.0; model.layout.len()];
     values.iter().enumerate().for_each(|(i, v)| theta[i] = v.ln());
@@ -170,15 +176,26 @@ pub fn fit_physical(
     }
     theta[model.layout.s0()] = scoring::level(&model, &theta, &data).map_err(PhysicalError::Start)?;
     let found = scoring::search(&model, &theta).map_err(PhysicalError::Start)?;
-    outcome(&model, &theta, &found).map_err(PhysicalError::Start)
+    outcome(&model, &theta, &found, blocks).map_err(PhysicalError::Start)
 }
 
-fn outcome(model: &Model<'_>, start: &[f64], found: &scoring::Search) -> Result<PhysicalOutcome, String> {
+fn outcome(
+    model: &Model<'_>,
+    start: &[f64],
+    found: &scoring::Search,
+    blocks: &[CrossSpectra],
+) -> Result<PhysicalOutcome, String> {
     let (layout, data, theta) = (&model.layout, model.data, &found.theta);
-    let covariance = uncertainty::Covariance::new(&found.score.fisher);
+    let mut covariance = uncertainty::Covariance::new(&found.score.fisher, layout);
+    let evaluation = model.evaluate(theta, true)?;
+    if let Some(first) = blocks.first() {
+        let scaled: Vec<Vec<CMat>> = blocks.iter().map(|b| data.scaled(b)).collect();
+        let gradients = whittle::block_gradients(&evaluation, layout, theta, data, &scaled)
+            .ok_or("the model's spectrum is not positive definite")?;
+        covariance.widen(&gradients, first.averages / model.averages);
+    }
     let modes = uncertainty::modes(model, theta, &covariance)?;
     let names = vehicle_names(model);
-    let evaluation = model.evaluate(theta, false)?;
     let residual: Vec<f64> = whittle::residuals(&evaluation, &data.measured)
         .ok_or("the model's spectrum is not positive definite")?
         .into_iter()
@@ -271,6 +288,7 @@ fn outcome(model: &Model<'_>, start: &[f64], found: &scoring::Search) -> Result<
         cost: found.score.cost,
         decrement: found.decrement,
         work: [found.steps, found.evaluations],
+        widened: covariance.factors,
     })
 }
 

@@ -65,6 +65,8 @@ pub(super) struct Model<'a> {
     pub convention: Convention,
     pub layout: Layout,
     pub data: &'a BandData,
+    /// Independent averages at one bin.
+    pub averages: f64,
 }
 
 /// The vehicle at θ, and its derivatives by each ln p.

@@ -56,16 +56,10 @@ pub(super) fn score(
     theta: &[f64],
     added: &[f64],
 ) -> Option<Score> {
-    let noise = &theta[layout.noise..];
     let shares: Option<Vec<Share>> = (0..evaluation.s.len())
         .into_par_iter()
         .map(|k| {
-            let n = layout.channels;
-            let mut slopes = evaluation.ds[k].clone();
-            slopes.extend((0..n).map(|c| {
-                CMat::from_fn(n, n, |i, j| C64::new(if i == c && j == c { noise[c].exp() } else { 0.0 }, 0.0))
-            }));
-            share(&evaluation.s[k], &slopes, &loaded(&data.measured[k], added))
+            share(&evaluation.s[k], &slopes(evaluation, layout, theta, k), &loaded(&data.measured[k], added))
         })
         .collect();
     let shares = shares?;
@@ -89,6 +83,46 @@ pub(super) fn score(
         }
     }
     Some(Score { cost: data.averages * total, gradient, fisher })
+}
+
+/// ∂S/∂θ at a bin, noise floors included.
+fn slopes(evaluation: &Evaluation, layout: &Layout, theta: &[f64], bin: usize) -> Vec<CMat> {
+    let n = layout.channels;
+    let mut all = evaluation.ds[bin].clone();
+    all.extend((0..n).map(|c| {
+        let floor = theta[layout.noise + c].exp();
+        CMat::from_fn(n, n, |i, j| C64::new(if i == c && j == c { floor } else { 0.0 }, 0.0))
+    }));
+    all
+}
+
+/// The gradient of each block's own cost (up to a constant that all share): n_avg Σ_k v_a · L⁻¹Ŝ_bL⁻ᴴ, [block][θ].
+///
+/// `blocks[b][k]` are the scaled spectra of a piece of the recording. Their spread over blocks is the gradient's own,
+/// whatever the likelihood believes of it.
+pub(super) fn block_gradients(
+    evaluation: &Evaluation,
+    layout: &Layout,
+    theta: &[f64],
+    data: &BandData,
+    blocks: &[Vec<CMat>],
+) -> Option<Vec<Vec<f64>>> {
+    let p = layout.len();
+    let shares: Option<Vec<Share>> = (0..evaluation.s.len())
+        .into_par_iter()
+        .map(|k| {
+            let mut all = slopes(evaluation, layout, theta, k);
+            all.extend(blocks.iter().map(|b| b[k].clone()));
+            share(&evaluation.s[k], &all, &data.measured[k])
+        })
+        .collect();
+    let shares = shares?;
+    let gradient = |b: usize| -> Vec<f64> {
+        (0..p)
+            .map(|a| -data.averages * shares.iter().map(|s| dot(&s.rows[a], &s.rows[p + b])).sum::<f64>())
+            .collect()
+    };
+    Some((0..blocks.len()).map(gradient).collect())
 }
 
 fn loaded(m: &CMat, added: &[f64]) -> CMat {
