@@ -351,7 +351,7 @@ fn recordings_that_cannot_be() {
         folder.wrong("identify RUN.toml -o out", &parts);
     }
     folder.file("RUN.toml", &toml);
-    folder.wrong("identify RUN.toml --segment-s 60 -o out", &["samples", "found 2000"]);
+    folder.wrong("identify RUN.toml --method ssi --segment-s 60 -o out", &["samples", "found 2000"]);
     folder.wrong(
         "identify RUN.toml --segment-s -5 -o out",
         &["segment_s: expected a positive number, found -5"],
@@ -362,4 +362,32 @@ fn recordings_that_cannot_be() {
     folder.wrong("identify RUN.toml -o full", &["full: the directory is not empty; --overwrite"]);
     folder.wrong("identify RUN.toml -o RUN.csv", &["RUN.csv: expected a directory, found a file"]);
     assert_eq!(fs::read_to_string(folder.0.join("full/mine")).unwrap(), "x");
+}
+
+/// The README's tour from simulate to ride, on a short drive.
+#[test]
+fn from_a_drive_to_a_page_and_on() {
+    let folder = Folder::new("tour");
+    let simulate = "simulate case:guiggiani-full-car --road case:iso8608-c --speed-m-s 20 --duration-s 240 --rate-hz 100 \
+                    --noise 0.02 -o RUN.csv";
+    folder.ok(simulate);
+    let table = folder.ok("identify RUN.toml --vehicle case:guiggiani-full-car -o found");
+    assert!(table.contains("heave") && table.contains("class C"), "{table}");
+    let result: serde_json::Value =
+        serde_json::from_str(&fs::read_to_string(folder.0.join("found/result.json")).unwrap()).unwrap();
+    assert_eq!((result["schema_version"].as_u64(), result["converged"].as_bool()), (Some(1), Some(true)));
+    assert_eq!(result["modes"].as_array().unwrap().len(), 7);
+    // the truth is not among what was read
+    let read: Vec<&str> =
+        result["inputs"].as_array().unwrap().iter().map(|i| i["path"].as_str().unwrap()).collect();
+    assert_eq!(read, ["RUN.toml", "RUN.csv", "case:guiggiani-full-car"]);
+    let page = fs::read_to_string(folder.0.join("found/report.html")).unwrap();
+    assert!(page.starts_with("<!DOCTYPE html>") || page.starts_with("<!doctype html>"));
+    fs::remove_file(folder.0.join("found/report.html")).unwrap();
+    folder.ok("report found");
+    assert_eq!(fs::read_to_string(folder.0.join("found/report.html")).unwrap(), page);
+    let ride = folder.ok("ride found/vehicle.toml --road found/road.toml --speed-m-s 25");
+    assert!(ride.contains("heave_acceleration"), "{ride}");
+    let json = folder.ok("identify RUN.toml --vehicle case:guiggiani-full-car --json");
+    assert_eq!(serde_json::from_str::<serde_json::Value>(&json).unwrap()["modes"], result["modes"]);
 }

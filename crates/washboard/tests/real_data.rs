@@ -21,8 +21,15 @@ fn read(name: &str, data: &str) -> Option<Recording> {
     Some(read_recording(&example(name)).unwrap_or_else(|e| panic!("{name}: {e}")))
 }
 
+/// Four vertical accelerometers and the two steer rates of the 24 channels.
 fn wobble(run: &str) -> Option<Recording> {
-    read(&format!("wobbletracker-{run}.toml"), &format!("wobbletracker/{run}_sensors.csv"))
+    let all = read(&format!("wobbletracker-{run}.toml"), &format!("wobbletracker/{run}_sensors.csv"))?;
+    assert_eq!(all.channels().len(), 24);
+    let vertical =
+        ["knuckle-right", "knuckle-left", "axle-right", "axle-left"].map(|n| format!("{n}-vertical"));
+    let steer = ["knuckle-right", "knuckle-left"].map(|n| format!("{n}-steer-rate"));
+    let names: Vec<&str> = vertical.iter().chain(&steer).map(String::as_str).collect();
+    Some(all.select(&names).unwrap())
 }
 
 fn mean(x: &[f64]) -> f64 {
@@ -135,5 +142,76 @@ fn the_mountain_bikes_travel_is_in_metres() {
         assert_eq!(stop.what, RepairKind::Clipped);
         let slow = r.decimated(5).unwrap();
         assert!((slow.rate_hz() - 200.0).abs() < 1e-12 && slow.len() > samples / 5 - 30);
+    }
+}
+
+fn classical(name: &str) -> washboard::study::IdentifyRun {
+    washboard::study::identify(&washboard::study::IdentifySpec {
+        recording: example(name),
+        vehicle: None,
+        method: washboard::study::IdentifyMethod::Ssi,
+        band_hz: None,
+        segment_s: None,
+        convention: None,
+    })
+    .unwrap()
+}
+
+/// The wobble's lines are one family, and none of them is called a mode.
+#[test]
+fn the_wobble_is_harmonics_and_not_modes() {
+    for run in ["20211027T145614", "20211027T145815"] {
+        if wobble(run).is_none() {
+            return;
+        }
+        let found = classical(&format!("wobbletracker-{run}.toml")).outcome;
+        for (hz, multiple) in [(5.9, 1), (11.9, 2), (17.6, 3), (29.5, 5)] {
+            let line = found.lines.iter().find(|l| (l.freq_hz - hz).abs() < 0.35);
+            let line = line.unwrap_or_else(|| panic!("{run}: {hz} Hz in {:?}", found.lines));
+            assert_eq!(line.multiple, Some(multiple), "{run}: {line:?}");
+            assert!((line.fundamental_hz.unwrap() - 5.9).abs() < 0.1, "{run}: {line:?}");
+            let called = found.modes.iter().find(|m| (m.freq_hz / hz - 1.0).abs() < 0.02);
+            assert!(called.is_none(), "{run}: {called:?}");
+        }
+        assert!(found.delay_s.is_none() && found.flags.iter().any(|f| f.name == "speed-varies"));
+        assert!(!found.recording.repairs.is_empty());
+    }
+}
+
+/// No speed: spectra, but no delay, and that is said.
+#[test]
+fn the_mountain_bike_has_spectra_and_no_delay() {
+    if read("mtb-00643.toml", "mtb_sst/00643.SST").is_none() {
+        return;
+    }
+    let found = classical("mtb-00643.toml").outcome;
+    assert!(found.delay_s.is_none() && found.road.is_none());
+    assert!(found.flags.iter().any(|f| f.name == "no-speed" && f.text.contains("delay")));
+    assert_eq!(found.spectra.channels.len(), 2);
+    assert!(found.spectra.channels[0].measured.iter().all(|v| *v > 0.0));
+}
+
+/// Through `identify`, as recorded: five modes, at the poles of the record. The generator integrated by the trapezoidal
+/// rule at 12 Hz, which moves f to tan⁻¹(πf/12)·12/π; the record's own spectral peaks stand there too.
+#[test]
+fn the_shear_frame_through_identify() {
+    if read("koma-shear.toml", "koma_shear/data_shearframe.npy").is_none() {
+        return;
+    }
+    let found = classical("koma-shear.toml").outcome;
+    // omega_n.npy/2π, xi_ref.npy
+    let truth = [
+        (0.181_200_88, 0.043_916_7),
+        (0.528_922_82, 0.015_045_2),
+        (0.833_794_58, 0.009_544_0),
+        (1.071_117_27, 0.007_429_4),
+        (1.221_664_40, 0.006_513_9),
+    ];
+    assert_eq!(found.modes.len(), 5);
+    let pi = std::f64::consts::PI;
+    for (mode, (f, zeta)) in found.modes.iter().zip(truth) {
+        let moved = (pi * f / 12.0f64).atan() * 12.0 / pi;
+        assert!((mode.freq_hz / moved - 1.0).abs() < 0.01, "{} Hz for {moved}", mode.freq_hz);
+        assert!((mode.damping - zeta).abs() < 0.01, "{} for {zeta}", mode.damping);
     }
 }

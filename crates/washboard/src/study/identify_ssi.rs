@@ -13,6 +13,8 @@ const RATE_OVER_BAND: f64 = 2.56;
 /// A mode this near to a line, relative to its frequency, and damped less than that, is the line.
 const LINE_WIDTH: f64 = 0.03;
 const LINE_DAMPING: f64 = 0.05;
+/// Multiples of a fundamental beyond this stand too close to each other to accuse a mode.
+const HIGHEST_MULTIPLE: f64 = 8.0;
 
 pub(super) fn run(task: &Task<'_>) -> Result<IdentifyOutcome, StudyError> {
     let factor = (task.recording.rate_hz() / (RATE_OVER_BAND * task.band_hz[1])).floor().max(1.0) as usize;
@@ -29,12 +31,7 @@ pub(super) fn run(task: &Task<'_>) -> Result<IdentifyOutcome, StudyError> {
         outcome.rejected.push(RejectedMode { freq_hz: r.freq_hz, damping: r.damping, why: r.why.clone() });
     }
     for mode in &found.modes {
-        let line = outcome
-            .lines
-            .iter()
-            .find(|l| (mode.freq_hz / l.freq_hz - 1.0).abs() < LINE_WIDTH && mode.damping < LINE_DAMPING);
-        if let Some(line) = line {
-            let why = format!("at the line of {:.2} Hz: {}", line.freq_hz, line.text);
+        if let Some(why) = of_a_line(&outcome, mode.freq_hz, mode.damping) {
             outcome.rejected.push(RejectedMode { freq_hz: mode.freq_hz, damping: mode.damping, why });
             continue;
         }
@@ -80,4 +77,21 @@ pub(super) fn run(task: &Task<'_>) -> Result<IdentifyOutcome, StudyError> {
         outcome.flags.push(Flag { name: "classical".into(), text });
     }
     Ok(outcome)
+}
+
+/// Why a lightly damped mode is no mode: it stands at a line, or at a multiple of a family's fundamental.
+fn of_a_line(outcome: &IdentifyOutcome, freq_hz: f64, damping: f64) -> Option<String> {
+    if damping >= LINE_DAMPING {
+        return None;
+    }
+    let near = |f: f64| (freq_hz / f - 1.0).abs() < LINE_WIDTH;
+    outcome.lines.iter().find_map(|line| {
+        if near(line.freq_hz) {
+            return Some(format!("at the line of {:.2} Hz: {}", line.freq_hz, line.text));
+        }
+        let fundamental = line.fundamental_hz?;
+        let multiple = (freq_hz / fundamental).round();
+        ((1.0..=HIGHEST_MULTIPLE).contains(&multiple) && near(multiple * fundamental))
+            .then(|| format!("harmonic {multiple} of the lines' fundamental {fundamental:.2} Hz, not a mode"))
+    })
 }
