@@ -42,7 +42,8 @@ impl Vehicle {
         }
         let row = match (channel.place, channel.wheel, channel.at_m) {
             (Place::Hub, Some(w), _) => self.corner_row(&["unsprung"], w, wheels)?,
-            (Place::Body | Place::Cab, Some(w), _) => self.corner_row(&["body", "sprung"], w, wheels)?,
+            (Place::Body, Some(w), _) => self.corner_row(&["body", "sprung"], w, wheels)?,
+            (Place::Cab, Some(w), _) => self.corner_row(&["cabin", "body", "sprung"], w, wheels)?,
             (Place::Body | Place::Cab, None, Some(at)) => self.body_point(at, wheels)?,
             (Place::Suspension, Some(w), _) => {
                 let name = self.corner_name("suspension_travel", w, wheels)?;
