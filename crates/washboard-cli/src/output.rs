@@ -28,7 +28,7 @@ impl Output {
         envelope: &Envelope<T>,
         table: impl FnOnce(&T) -> String,
     ) -> Result<(), Failure> {
-        let text = if self.json { envelope.to_json() } else { table(&envelope.outcome) };
+        let text = if self.json { envelope.to_json() } else { plain(&table(&envelope.outcome), true) };
         print(&text)
     }
 
@@ -58,6 +58,19 @@ impl Drop for Progress {
     }
 }
 
+/// Text in which names from files cannot steer a terminal: control and direction characters are written as escapes.
+fn plain(text: &str, lines: bool) -> String {
+    let steers = |c: char| {
+        (c.is_control() && !(lines && c == '\n'))
+            || matches!(c, '\u{200e}' | '\u{200f}' | '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}')
+    };
+    let mut out = String::with_capacity(text.len());
+    for c in text.chars() {
+        if steers(c) { out.extend(c.escape_default()) } else { out.push(c) }
+    }
+    out
+}
+
 /// Text to standard output; a reader that has gone away is no error.
 pub fn print(text: &str) -> Result<(), Failure> {
     let mut out = std::io::stdout().lock();
@@ -85,7 +98,7 @@ impl Failure {
             });
             let _ = print(&format!("{answer:#}\n"));
         }
-        eprintln!("error: {}", self.message);
+        eprintln!("error: {}", plain(&self.message, false));
         ExitCode::from(if self.wrong_input { 2 } else { 1 })
     }
 }

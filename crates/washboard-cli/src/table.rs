@@ -68,7 +68,9 @@ pub fn number(x: f64) -> String {
 pub fn with_sd(x: f64, sd: Option<f64>) -> String {
     match sd.filter(|s| s.is_finite() && *s > 0.0) {
         None => number(x),
-        Some(sd) if !(1e-4..1e4).contains(&sd) || x.abs() >= 1e6 => format!("{x:.3e} ± {sd:.1e}"),
+        Some(sd) if !(1e-6..1e4).contains(&sd) || x.abs() >= 1e6 || x.abs() < 1e-3 => {
+            format!("{x:.3e} ± {sd:.1e}")
+        }
         Some(sd) => {
             let places = (1 - sd.log10().floor() as i32).max(0) as usize;
             format!("{x:.places$} ± {sd:.places$}")

@@ -186,7 +186,7 @@ fn names_that_are_none() {
     fs::write(folder.0.join("latin1.toml"), b"model = \"\xe9\"").unwrap();
     for (line, parts) in [
         ("modes none.toml", &["none.toml: cannot read"][..]),
-        ("modes .", &[".: cannot read"]),
+        ("modes .", &[".: expected a file, found a directory"]),
         ("modes empty.toml", &["empty.toml", "missing field `model`"]),
         ("modes text.toml", &["text.toml:1"]),
         ("modes latin1.toml", &["latin1.toml: expected UTF-8"]),

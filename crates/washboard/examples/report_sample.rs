@@ -125,6 +125,7 @@ fn sample() -> Result<IdentifyOutcome, Box<dyn Error>> {
             roughness_sd_m3: 0.13e-6,
             exponent: 2.003,
             exponent_sd: 0.006,
+            correlation: Some(0.5),
             convention: Convention::OneSidedRadPerM,
             class: IsoClass::C,
             band_rad_per_m: [0.126, 6.3],

@@ -57,7 +57,11 @@ impl FileError {
 /// A file that is missing, is not readable, is too large or is not UTF-8.
 pub fn read_text(path: &Path) -> Result<String, FileError> {
     let read = |source| FileError::Read { path: path.to_owned(), source };
-    let size = fs::metadata(path).map_err(read)?.len();
+    let metadata = fs::metadata(path).map_err(read)?;
+    if !metadata.is_file() {
+        return Err(FileError::content(path, None, "expected a file, found a directory, pipe or device"));
+    }
+    let size = metadata.len();
     if size > MAX_DESCRIPTION_BYTES {
         return Err(FileError::content(
             path,
@@ -199,6 +203,17 @@ pub fn write_directory(dir: &Path, files: &[(&str, Vec<u8>)], overwrite: bool) -
     built.map_err(fail)
 }
 
+/// What a result's directory may hold. Overwriting takes the directory away as a whole: nobody's data may be in it.
+const RESULT_FILES: [&str; 4] = ["result.json", "report.html", "vehicle.toml", "road.toml"];
+
+/// The first entry of a directory that is not a result's.
+fn stranger(dir: &Path) -> Option<String> {
+    let entries = fs::read_dir(dir).ok()?.flatten();
+    entries
+        .map(|e| e.file_name().to_string_lossy().into_owned())
+        .find(|n| !RESULT_FILES.contains(&n.as_str()))
+}
+
 /// Refuses a directory that is a file, or that has something in it and may not be overwritten: to be asked before work
 /// starts.
 ///
@@ -214,6 +229,11 @@ pub fn check_target_directory(dir: &Path, overwrite: bool) -> Result<(), FileErr
     let filled = fs::read_dir(dir).map(|mut d| d.next().is_some()).unwrap_or(false);
     if filled && !overwrite {
         return Err(FileError::content(dir, None, "the directory is not empty; --overwrite replaces it"));
+    }
+    if let Some(stranger) = stranger(dir) {
+        let message =
+            format!("holds {stranger:?}, which no result has: expected only {}", RESULT_FILES.join(", "));
+        return Err(FileError::content(dir, None, message));
     }
     Ok(())
 }
@@ -251,11 +271,16 @@ mod tests {
     fn a_directory_appears_whole_and_is_not_overwritten_unasked() {
         let dir = std::env::temp_dir().join(format!("washboard-files-{}", std::process::id()));
         let _ = fs::remove_dir_all(&dir);
-        write_directory(&dir, &[("a", b"1".to_vec())], false).unwrap();
-        assert!(write_directory(&dir, &[("b", b"2".to_vec())], false).is_err());
-        assert_eq!(fs::read(dir.join("a")).unwrap(), b"1");
-        write_directory(&dir, &[("b", b"2".to_vec())], true).unwrap();
-        assert!(!dir.join("a").exists() && dir.join("b").exists());
+        write_directory(&dir, &[("road.toml", b"1".to_vec())], false).unwrap();
+        assert!(write_directory(&dir, &[("result.json", b"2".to_vec())], false).is_err());
+        assert_eq!(fs::read(dir.join("road.toml")).unwrap(), b"1");
+        write_directory(&dir, &[("result.json", b"2".to_vec())], true).unwrap();
+        assert!(!dir.join("road.toml").exists() && dir.join("result.json").exists());
+        // somebody's own file is never taken away
+        fs::write(dir.join("mine"), b"3").unwrap();
+        let e = write_directory(&dir, &[("result.json", b"4".to_vec())], true).unwrap_err().to_string();
+        assert!(e.contains("\"mine\""), "{e}");
+        assert_eq!(fs::read(dir.join("mine")).unwrap(), b"3");
         fs::remove_dir_all(&dir).unwrap();
     }
 }

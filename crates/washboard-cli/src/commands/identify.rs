@@ -52,7 +52,7 @@ pub fn run(a: Arguments, output: Output) -> Result<ExitCode, Failure> {
     if let Some(dir) = &a.output {
         check_target_directory(dir, a.overwrite)?;
     }
-    let title = a.recording.display().to_string();
+    let title = a.recording.file_name().map_or_else(String::new, |n| n.to_string_lossy().into_owned());
     let progress = output.progress("identifying");
     let result = identify(&IdentifySpec {
         recording: a.recording,
@@ -114,12 +114,13 @@ fn table(o: &IdentifyOutcome) -> String {
         let _ = writeln!(text, "coherence  μ = {}", with_sd(c.mu, Some(c.mu_sd)));
     }
     if let Some(d) = o.delay_s {
-        let _ = writeln!(text, "delay      {} s from front to rear", with_sd(d, o.delay_sd_s));
+        let sd_ms = o.delay_sd_s.map(|s| 1e3 * s);
+        let _ = writeln!(text, "delay      {} ms from front to rear", with_sd(1e3 * d, sd_ms));
     }
     if let Some(fit) = &o.fit {
         let _ = writeln!(
             text,
-            "fit        χ = {:.2} (about 0.4 explains the data), {} steps, {} evaluations",
+            "fit        χ = {:.2} (0.6 at most where the model explains the data), {} steps, {} evaluations",
             fit.chi, fit.iterations, fit.evaluations
         );
     }
@@ -130,7 +131,7 @@ fn table(o: &IdentifyOutcome) -> String {
         let _ = writeln!(text, "left out   {} candidates; --json says why each", o.rejected.len());
     }
     if !o.converged {
-        let _ = writeln!(text, "not converged: see the flags above");
+        let _ = writeln!(text, "this is no result to rely on: see the flags above");
     }
     text
 }

@@ -36,6 +36,7 @@ pub(super) fn full() -> IdentifyOutcome {
             roughness_sd_m3: 0.2e-6,
             exponent: 2.004,
             exponent_sd: 0.005,
+            correlation: Some(0.5),
             convention: Convention::OneSidedRadPerM,
             class: IsoClass::C,
             band_rad_per_m: [0.126, 6.3],

@@ -51,7 +51,7 @@ pub(super) fn spectrum(outcome: &IdentifyOutcome, plots: &mut Plots) -> Option<H
         paragraph(class_words(s0, sd)).and(table("", &["quantity", "# found", "# 95 % interval"], rows));
     Some(body.and(plots.add(plot(outcome, road, s0))).and(note(
         "Limits of the classes are a factor 2 about their geometric means at 1 rad/m, drawn with ISO 8608’s slope of −2. \
-         The band about the road is its 95 % interval from the deviations of S₀ and e, taken as independent.",
+         The band about the road is its 95 % interval from the deviations of S₀ and e and their correlation.",
     )))
 }
 
@@ -90,9 +90,11 @@ fn convention_words(convention: Convention) -> &'static str {
     }
 }
 
-/// Of ln G(Ω) = ln S₀ − e ln Ω.
+/// Of ln G(Ω) = ln S₀ − e ln Ω, whose two errors are correlated.
 fn relative_sd(road: &IdentifiedRoad, nu: f64) -> f64 {
-    (road.roughness_sd_m3 / road.roughness_m3).hypot(nu.ln() * road.exponent_sd)
+    let (level, slope) = (road.roughness_sd_m3 / road.roughness_m3, nu.ln() * road.exponent_sd);
+    let both = level * level + slope * slope - 2.0 * road.correlation.unwrap_or(0.0) * level * slope;
+    both.max(0.0).sqrt()
 }
 
 fn plot(outcome: &IdentifyOutcome, road: &IdentifiedRoad, s0: f64) -> Plot {
@@ -179,6 +181,7 @@ mod tests {
             roughness_sd_m3: 0.01 * roughness_m3,
             exponent: 2.0,
             exponent_sd: 0.01,
+            correlation: Some(0.5),
             convention,
             class: IsoClass::C,
             band_rad_per_m: [0.1, 10.0],

@@ -166,7 +166,21 @@ impl RoadSpec {
                     ],
                 )?;
                 let roughness = match (self.class, self.roughness_m3) {
-                    (Some(class), None) => class.roughness_m3(),
+                    (Some(class), None) => {
+                        if let Some(other) = self.reference_rad_per_m.filter(|r| *r != 1.0) {
+                            let expected = "1, where a class gives the roughness, or a roughness_m3 there";
+                            let found = other.to_string();
+                            return Err(RoadError::Field { field: "reference_rad_per_m", expected, found });
+                        }
+                        // a class is one-sided per rad/m; the paper writes that number into its own convention
+                        match self.convention.unwrap_or_default() {
+                            Convention::Paper => class.roughness_m3(),
+                            other => other.density(
+                                Convention::OneSidedRadPerM.two_sided_time(class.roughness_m3(), 1.0),
+                                1.0,
+                            ),
+                        }
+                    }
                     (None, Some(r)) => r,
                     (class, _) => {
                         let found = if class.is_some() { "both" } else { "neither" };
@@ -382,6 +396,25 @@ mod tests {
         .unwrap();
         assert_eq!(road.coherence(), &Coherence::Bogsjo { mu: 3.8 });
         assert!((road.spectrum().psd(6.0, 20.0) - 16e-6 / 20.0 / 0.09).abs() < 1e-18);
+    }
+
+    #[test]
+    fn a_class_is_the_same_road_in_every_convention_but_the_papers() {
+        let psd = |convention: &str| {
+            let text = format!(
+                "kind = \"iso8608\"\nclass = \"C\"\nband_rad_per_m = [0.1, 10.0]\nconvention = \"{convention}\""
+            );
+            parse(&text).unwrap().spectrum().psd(6.0, 20.0)
+        };
+        let physical = psd("one-sided-rad-per-m");
+        for convention in ["two-sided-rad-per-m", "one-sided-cycles-per-m", "two-sided-cycles-per-m"] {
+            assert!((psd(convention) / physical - 1.0).abs() < 1e-14, "{convention}");
+        }
+        assert!((physical / psd("paper") - std::f64::consts::PI).abs() < 1e-14);
+        let e = parse(
+            "kind = \"iso8608\"\nclass = \"C\"\nreference_rad_per_m = 0.63\nband_rad_per_m = [0.1, 10.0]",
+        );
+        assert!(e.unwrap_err().starts_with("reference_rad_per_m: expected 1"));
     }
 
     #[test]

@@ -78,13 +78,25 @@ impl HannWindow {
         k / sum
     }
 
-    /// Σ_k |γ_k|² over all bins, with γ_k = Σ w² e^{−2πikn/N}/Σ w² the coherence of bins k apart in one segment: 1.944, the
-    /// width in bins of what one bin sees.
+    /// How many independent periodograms a sum over *all* bins of as many overlapping segments is worth at each bin:
+    ///
+    /// K / Σ_m (1 − |m|/K) N Σ_n w_n² w_{n+mD}²/(Σ w²)²
+    ///
+    /// since bins of overlapping segments share more than bins of one segment times segments at one bin. At 75 % overlap
+    /// Σ_m w²_{n+mD} is the same at every n, the divisor is 4, and the worth T/T_seg: what the samples hold.
     #[must_use]
-    pub fn bins_shared(&self) -> f64 {
-        // Parseval: Σ_k |Σ_n w_n² e^{…}|² = N Σ_n w_n⁴
-        let fourth: f64 = self.samples.iter().map(|w| w.powi(4)).sum();
-        self.samples.len() as f64 * fourth / (self.power * self.power)
+    pub fn independent_over_bins(&self, segments: usize, hop: usize) -> f64 {
+        let (n, k) = (self.samples.len(), segments as f64);
+        let mut sum = 0.0;
+        let mut m = 0;
+        while m * hop < n && m < segments {
+            let both: f64 =
+                self.samples.iter().zip(&self.samples[m * hop..]).map(|(a, b)| a * a * b * b).sum();
+            let count = if m == 0 { 1.0 } else { 2.0 * (1.0 - m as f64 / k) };
+            sum += count * n as f64 * both / (self.power * self.power);
+            m += 1;
+        }
+        k / sum
     }
 
     fn correlation(&self, shift: usize) -> f64 {
@@ -120,6 +132,11 @@ mod tests {
         assert!((half - (1.0 + 2.0 / 36.0)).abs() < 1e-5, "{half}");
         let three_quarters = many as f64 / w.independent_segments(many, 1024);
         assert!((three_quarters - 1.9249).abs() < 1e-3, "{three_quarters}");
-        assert!((w.bins_shared() - (1.0 + 2.0 * (4.0 / 9.0 + 1.0 / 36.0))).abs() < 1e-9);
+        // one segment: Σ|γ|² = 1 + 2(4/9 + 1/36); many at 75 %: exactly 4
+        assert!(
+            (1.0 / w.independent_over_bins(1, 1024) - (1.0 + 2.0 * (4.0 / 9.0 + 1.0 / 36.0))).abs() < 1e-9
+        );
+        let joint = many as f64 / w.independent_over_bins(many, 1024);
+        assert!((joint - 4.0).abs() < 1e-4, "{joint}");
     }
 }

@@ -8,7 +8,7 @@ use super::{
 use crate::files::FileError;
 use crate::identify::{LineSettings, spectral_lines};
 use crate::signal::{
-    CrossSpectra, Recording, RecordingDescription, Segment, WelchSettings, read_recording, welch,
+    CrossSpectra, Recording, RecordingDescription, Segment, SignalError, WelchSettings, read_recording, welch,
 };
 use crate::units::{Convention, per_hz_from_two_sided, rad_per_s};
 use crate::vehicle::VehicleSpec;
@@ -53,7 +53,10 @@ pub(super) struct Task<'a> {
 /// outcome with `converged = false` and flags that say why.
 pub fn identify(spec: &IdentifySpec) -> Result<IdentifyRun, StudyError> {
     spec.check()?;
-    let recording = read_recording(&spec.recording)?;
+    let recording = read_recording(&spec.recording).map_err(|e| match e {
+        SignalError::File(_) | SignalError::Field { .. } | SignalError::Data { .. } => StudyError::Signal(e),
+        other => FileError::content(&spec.recording, None, other.to_string()).into(),
+    })?;
     let start = match (&spec.vehicle, spec.method) {
         (Some(name), _) => Some(load_vehicle(name)?),
         (None, IdentifyMethod::Physical) => {
@@ -240,7 +243,11 @@ fn lines(task: &Task<'_>) -> Vec<super::SpectralLine> {
     found
         .into_iter()
         .map(|l| {
-            let names: Vec<&str> = l.channels.iter().map(|c| s.channels[*c].as_str()).collect();
+            let mut names: Vec<&str> = l.channels.iter().map(|c| s.channels[*c].as_str()).take(3).collect();
+            let more = format!("{} more", l.channels.len().saturating_sub(3));
+            if l.channels.len() > 3 {
+                names.push(&more);
+            }
             let text = match &l.family {
                 Some(f) => format!(
                     "harmonic {} of {:.2} Hz, not a mode (in {})",

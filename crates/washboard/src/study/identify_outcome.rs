@@ -101,6 +101,9 @@ pub struct IdentifiedRoad {
     pub exponent: f64,
     /// Standard deviation.
     pub exponent_sd: f64,
+    /// Correlation of the errors of the roughness's logarithm and the exponent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub correlation: Option<f64>,
     /// What the roughness is a density of.
     pub convention: crate::units::Convention,
     /// The class of ISO 8608 of the same roughness as a one-sided density per rad/m.

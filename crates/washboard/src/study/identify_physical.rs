@@ -10,8 +10,10 @@ use crate::identify::{PhysicalOutcome, PhysicalSettings, fit_physical};
 use crate::road::{CoherenceSpec, IsoClass, RoadSpec};
 use crate::signal::{CrossSpectra, Segment, WelchSettings, welch};
 use crate::units::{Convention, per_hz_from_two_sided, rad_per_s};
-use crate::vehicle::{ParametricVehicle, Vehicle, VehicleError, VehicleSpec};
+use crate::vehicle::{Model, ParametricVehicle, Vehicle, VehicleError, VehicleSpec};
 
+/// A wheel of the recording may be this far from the vehicle file's: track widths are measured carelessly.
+const WHEEL_TOLERANCE_M: f64 = 0.25;
 /// Pieces of the recording whose spread widens the intervals.
 const BLOCKS: usize = 24;
 /// Wheelbases of the recording and of the vehicle file may differ by this share.
@@ -28,6 +30,13 @@ pub(super) fn run(
         expected: "the recording's speed: without it a delay and a road cannot be told".into(),
         found: "none".into(),
     })?;
+    if matches!(start.model, Model::TruckCabin | Model::Matrices) {
+        return Err(StudyError::Setting {
+            field: "vehicle",
+            expected: "a model that the physical fit knows (quarter-car, half-car, full-car, bounce-truck), or --method ssi".into(),
+            found: format!("{file} of model {}", start.model.name()),
+        });
+    }
     let vehicle = start.build_alone().map_err(of_file)?;
     check_wheelbase(task, &vehicle)?;
     let mut left_out = Vec::new();
@@ -106,6 +115,21 @@ fn check_wheelbase(task: &Task<'_>, vehicle: &Vehicle) -> Result<(), StudyError>
     };
     let theirs = extent(task.recording.wheels().iter().map(|w| w.at_m[0]).collect());
     let ours = extent(vehicle.wheels().iter().map(|w| w.at_m[0]).collect());
+    for (index, wheel) in task.recording.wheels().iter().enumerate() {
+        let Ok(ours) = vehicle.match_wheel(index, task.recording.wheels()) else { continue };
+        let (at, known) =
+            (vehicle.in_frame(wheel.at_m, task.recording.wheels()), vehicle.wheels()[ours].at_m);
+        if (at[0] - known[0]).hypot(at[1] - known[1]) > WHEEL_TOLERANCE_M {
+            return Err(StudyError::Setting {
+                field: "wheel.at_m",
+                expected: format!(
+                    "wheel `{}` at {known:.3?} m from the c.g., as in the vehicle file",
+                    wheel.name
+                ),
+                found: format!("{at:.3?} m"),
+            });
+        }
+    }
     if task.recording.wheels().len() < 2 || (theirs - ours).abs() <= WHEELBASE_TOLERANCE * ours.max(theirs) {
         return Ok(());
     }
@@ -163,6 +187,7 @@ fn fill(
         roughness_sd_m3: found.roughness_m3.sd,
         exponent: found.exponent.value,
         exponent_sd: found.exponent.sd,
+        correlation: Some(found.road_correlation),
         convention: task.convention,
         class: IsoClass::of(one_sided(found.roughness_m3.value)),
         band_rad_per_m: [nu(task.band_hz[0]), nu(task.band_hz[1])],

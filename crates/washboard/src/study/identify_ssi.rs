@@ -19,7 +19,10 @@ const HIGHEST_MULTIPLE: f64 = 8.0;
 pub(super) fn run(task: &Task<'_>) -> Result<IdentifyOutcome, StudyError> {
     let factor = (task.recording.rate_hz() / (RATE_OVER_BAND * task.band_hz[1])).floor().max(1.0) as usize;
     let recording = task.recording.decimated(factor)?;
-    let settings = SsiSettings { band_hz: Some(task.band_hz), ..SsiSettings::default() };
+    let usual = SsiSettings::default();
+    // the subspace has no more room than this, and orders are even
+    let room = (usual.block_rows - 1) * recording.channels().len() / 2 * 2;
+    let settings = SsiSettings { band_hz: Some(task.band_hz), max_order: usual.max_order.min(room), ..usual };
     let found =
         ssi_cov(recording.samples(), recording.rate_hz(), &settings).map_err(|e| StudyError::Setting {
             field: "recording",

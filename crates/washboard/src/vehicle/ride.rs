@@ -16,6 +16,8 @@ const TAIL_TOLERANCE: f64 = 1e-7;
 /// A variance below this share of what the wheels would give on roads of their own is zero but for rounding: the roll of
 /// a symmetric car whose sides run on one track.
 const CANCELLED_VARIANCE: f64 = 1e-12;
+/// Speeds of road vehicles, with room.
+const SPEEDS_M_S: [f64; 2] = [0.01, 500.0];
 /// Beyond this multiple of the fastest pole the responses are power laws, and what is delayed averages out.
 const TAIL_FACTOR: f64 = 300.0;
 /// Evaluations that a ride may take before it gives up.
@@ -27,7 +29,7 @@ const MAX_DELAY_PANELS: f64 = 4000.0;
 #[derive(Debug, Error, Clone, PartialEq)]
 pub enum RideError {
     /// The speed is not positive.
-    #[error("speed_m_s: expected a positive number, found {0}")]
+    #[error("speed_m_s: expected a positive number (0.01 to 500), found {0}")]
     Speed(f64),
     /// The vehicle has no wheels.
     #[error("the vehicle has no wheels: a road cannot drive it")]
@@ -92,7 +94,7 @@ impl<'a> Ride<'a> {
     /// # Errors
     /// A speed that is not positive, a vehicle without wheels or with a pole that is not damped.
     pub fn new(vehicle: &'a Vehicle, road: &'a Road, speed_m_s: f64) -> Result<Self, RideError> {
-        if !(speed_m_s > 0.0 && speed_m_s.is_finite()) {
+        if !(SPEEDS_M_S[0]..=SPEEDS_M_S[1]).contains(&speed_m_s) {
             return Err(RideError::Speed(speed_m_s));
         }
         if vehicle.wheels().is_empty() {

@@ -46,8 +46,9 @@ impl Vehicle {
             (Place::Cab, Some(w), _) => self.corner_row(&["cabin", "body", "sprung"], w, wheels)?,
             (Place::Body | Place::Cab, None, Some(at)) => self.body_point(at, wheels)?,
             (Place::Suspension, Some(w), _) => {
+                // the output is body less hub; a channel of place `suspension` is hub less body: compression is +z
                 let name = self.corner_name("suspension_travel", w, wheels)?;
-                self.output(&name)?.q[0].clone()
+                self.output(&name)?.q[0].iter().map(|v| -v).collect()
             }
             (place, ..) => {
                 return Err(refuse(
@@ -81,6 +82,13 @@ impl Vehicle {
                 found: self.wheels().iter().map(|w| w.name.as_str()).collect::<Vec<_>>().join(", "),
             }),
         }
+    }
+
+    /// A place of the recording's frame as seen from the c.g.
+    #[must_use]
+    pub fn in_frame(&self, at_m: [f64; 2], wheels: &[WheelPlace]) -> [f64; 2] {
+        let shift = self.frame_shift(wheels);
+        [at_m[0] + shift[0], at_m[1] + shift[1]]
     }
 
     fn corner_name(&self, base: &str, index: usize, wheels: &[WheelPlace]) -> Result<String, VehicleError> {

@@ -128,7 +128,9 @@ pub fn drive(
         }
     }
     let samples = settings.duration_s * settings.rate_hz;
-    if !(2.0..=MAX_SAMPLES / sensors.len().max(1) as f64).contains(&samples) {
+    // what is synthesised counts, not only what is kept
+    let made = samples + GUARD_S * settings.rate_hz;
+    if !(samples >= 2.0 && made <= MAX_SAMPLES / sensors.len().max(1) as f64) {
         let found = format!("{samples} samples in each of {} channels", sensors.len());
         return Err(SimulateError::Setting {
             field: "duration_s",

@@ -3,4 +3,5 @@
 #![allow(clippy::unwrap_used)]
 
 mod ride;
+mod sensors;
 mod simulate;

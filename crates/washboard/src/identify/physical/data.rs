@@ -1,6 +1,7 @@
 //! Measured spectra as the likelihood sees them: a band of bins, channels scaled to a mean density of 1.
 
 use super::PhysicalError;
+use super::model::LEAST_NOISE;
 use crate::linalg::{C64, CMat, solve_complex};
 use crate::signal::CrossSpectra;
 use crate::units::rad_per_s;
@@ -44,10 +45,10 @@ impl BandData {
         }
         let mean = |i: usize| bins.iter().map(|k| spectra.s[*k][(i, i)].re).sum::<f64>() / bins.len() as f64;
         let scale: Vec<f64> = (0..n).map(|i| mean(i).sqrt()).collect();
-        if let Some(i) = scale.iter().position(|s| !(*s > 0.0)) {
+        if let Some(i) = scale.iter().position(|s| !(*s > 0.0 && s.is_finite())) {
             return Err(PhysicalError::DeadChannel { channel: spectra.channels[i].clone() });
         }
-        let scaled = |k: usize| CMat::from_fn(n, n, |i, j| spectra.s[k][(i, j)] / (scale[i] * scale[j]));
+        let scaled = |k: usize| loaded(&spectra.s[k], &scale);
         Ok(BandData {
             first: bins[0],
             omega: bins.iter().map(|k| spectra.omega_rad_s[*k]).collect(),
@@ -61,13 +62,18 @@ impl BandData {
     }
 }
 
+/// Scaled, and never without any noise.
+fn loaded(s: &CMat, scale: &[f64]) -> CMat {
+    CMat::from_fn(s.nrows(), s.ncols(), |i, j| {
+        let least = if i == j { LEAST_NOISE } else { 0.0 };
+        s[(i, j)] / (scale[i] * scale[j]) + C64::new(least, 0.0)
+    })
+}
+
 impl BandData {
     /// The same bins of another estimate of the same channels, scaled alike.
     pub fn scaled(&self, spectra: &CrossSpectra) -> Vec<CMat> {
-        let n = self.scale.len();
-        (self.first..self.first + self.omega.len())
-            .map(|k| CMat::from_fn(n, n, |i, j| spectra.s[k][(i, j)] / (self.scale[i] * self.scale[j])))
-            .collect()
+        (self.first..self.first + self.omega.len()).map(|k| loaded(&spectra.s[k], &self.scale)).collect()
     }
 }
 
@@ -93,7 +99,7 @@ fn noise_floors(spectra: &CrossSpectra, scaled: &dyn Fn(usize) -> CMat, n: usize
         .into_iter()
         .map(|mut v| {
             v.sort_by(f64::total_cmp);
-            v.get(v.len() / 2).copied().unwrap_or(1e-3).max(super::model::LEAST_NOISE * 10.0)
+            v.get(v.len() / 2).copied().unwrap_or(1e-3).max(LEAST_NOISE)
         })
         .collect()
 }

@@ -17,6 +17,8 @@ use thiserror::Error;
 
 /// χ above this says that the model does not explain the data: right answers have .33–.44, wrong ones ≥ 1.3.
 pub const CHI_LIMIT: f64 = 0.6;
+/// The same for an eighth of the band, whose mean scatters more.
+const PART_CHI_LIMIT: f64 = 0.9;
 /// A mode whose frequency is not known to this share of itself is not identified.
 const LARGEST_FREQ_SD: f64 = 0.1;
 /// A parameter whose logarithm is not known to this is not identified by itself.
@@ -52,7 +54,7 @@ pub enum PhysicalError {
         channels: usize,
     },
     /// A channel has no power in the band.
-    #[error("channel `{channel}` has no power in the band")]
+    #[error("channel `{channel}` has no power in the band, or more than a number can hold")]
     DeadChannel {
         /// Its name.
         channel: String,
@@ -103,6 +105,8 @@ pub struct PhysicalOutcome {
     pub roughness_m3: Estimate,
     /// e.
     pub exponent: Estimate,
+    /// Correlation of the errors of ln S₀ and e.
+    pub road_correlation: f64,
     /// μ, with more than one track.
     pub mu: Option<Estimate>,
     /// Delay of the rearmost axle, s, with more than one axle.
@@ -224,6 +228,19 @@ fn outcome(
             format!("the model does not explain the spectra: residual statistic {chi:.2}, expected below {CHI_LIMIT}"),
         ));
     }
+    if let Some((from, to, worst)) =
+        worst_part(&residual).filter(|p| chi <= CHI_LIMIT && p.2 > PART_CHI_LIMIT)
+    {
+        let hz = |bin: usize| data.omega[bin] / TAU;
+        problems.push((
+            "misfit",
+            format!(
+                "the model does not explain the spectra from {:.2} to {:.2} Hz: residual statistic {worst:.2} there, expected below {PART_CHI_LIMIT}; leave that band out",
+                hz(from),
+                hz(to)
+            ),
+        ));
+    }
     if let Some((eigenvalue, weights)) = covariance.null_direction() {
         let mut order: Vec<usize> = (0..weights.len()).collect();
         order.sort_by(|a, b| weights[*b].abs().total_cmp(&weights[*a].abs()));
@@ -266,6 +283,7 @@ fn outcome(
         parameters: (0..layout.vehicle).map(|i| (names[i].clone(), start[i].exp(), log(i))).collect(),
         roughness_m3: log(layout.s0()),
         exponent: Estimate { value: theta[layout.exponent()], sd: covariance.sd(layout.exponent()) },
+        road_correlation: covariance.correlation(layout.s0(), layout.exponent()),
         mu: layout.mu.map(log),
         delay_s: layout.delay.map(|i| {
             let delay = wheelbase / model.speed_m_s * theta[i].exp();
@@ -274,7 +292,7 @@ fn outcome(
         noise: (0..layout.channels)
             .map(|c| {
                 let (e, s) = (log(layout.noise + c), data.scale[c] * data.scale[c]);
-                Estimate { value: e.value * s, sd: e.sd * s }
+                Estimate { value: (e.value - model::LEAST_NOISE).max(0.0) * s, sd: e.sd * s }
             })
             .collect(),
         freq_hz: data.omega.iter().map(|w| w / TAU).collect(),
@@ -290,6 +308,17 @@ fn outcome(
         work: [found.steps, found.evaluations],
         widened: covariance.factors,
     })
+}
+
+/// The eighth of the band with the largest mean residual: first bin, last bin, mean.
+fn worst_part(residual: &[f64]) -> Option<(usize, usize, f64)> {
+    let size = (residual.len() / 8).max(1);
+    residual
+        .chunks(size)
+        .enumerate()
+        .filter(|(_, part)| part.len() == size)
+        .map(|(i, part)| (i * size, (i + 1) * size - 1, part.iter().sum::<f64>() / size as f64))
+        .max_by(|a, b| a.2.total_cmp(&b.2))
 }
 
 fn vehicle_names(model: &Model<'_>) -> Vec<String> {

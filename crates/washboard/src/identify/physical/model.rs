@@ -7,8 +7,10 @@ use crate::units::Convention;
 use rayon::prelude::*;
 use std::f64::consts::TAU;
 
-/// Noise floors (of channels scaled to 1) do not go below this.
-pub(super) const LEAST_NOISE: f64 = 1e-9;
+/// This much (of channels scaled to a mean density of 1) is added to the measured spectra's diagonals and is the least of
+/// the model's floors: two tracks give spectra of rank two, and without any noise the rest is leakage that no model
+/// knows. Sensors that are 0.1 % noisy have as much of their own.
+pub(super) const LEAST_NOISE: f64 = 1e-6;
 /// Relative step of the differences that give the derivatives of M, C, K: they are polynomials of low degree.
 const PARAMETER_STEP: f64 = 1e-5;
 

@@ -198,7 +198,7 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
 /// Starting S₀: the level at which the model's spectra are the measured ones, in the median over bins and channels.
 pub(super) fn level(model: &Model<'_>, theta: &[f64], data: &BandData) -> Result<f64, String> {
     let mut quiet = theta.to_vec();
-    quiet[model.layout.noise..].iter_mut().for_each(|t| *t = LEAST_NOISE.ln());
+    quiet[model.layout.noise..].iter_mut().for_each(|t| *t = f64::MIN_POSITIVE.ln());
     let e = model.evaluate(&quiet, false)?;
     let mut ratios: Vec<f64> = Vec::new();
     for (s, m) in e.s.iter().zip(&data.measured) {

@@ -24,6 +24,7 @@ pub(super) struct Covariance {
     pub factors: [f64; 2],
     vehicle: usize,
     noise: usize,
+    delay: Option<usize>,
 }
 
 impl Covariance {
@@ -52,6 +53,7 @@ impl Covariance {
             factors: [1.0, ROAD_EMPIRICAL],
             vehicle: layout.vehicle,
             noise: layout.noise,
+            delay: layout.delay,
         }
     }
 
@@ -91,10 +93,17 @@ impl Covariance {
     pub fn sd(&self, i: usize) -> f64 {
         let factor = match i {
             i if i < self.vehicle => self.factors[0],
+            // the phase that shows the delay has nothing to do with the road's level
+            i if Some(i) == self.delay => 1.0,
             i if i < self.noise => self.factors[1],
             _ => 1.0,
         };
         factor * self.inverse[(i, i)].max(0.0).sqrt()
+    }
+
+    /// Correlation of parameters i and j of θ.
+    pub fn correlation(&self, i: usize, j: usize) -> f64 {
+        self.inverse[(i, j)] / (self.inverse[(i, i)] * self.inverse[(j, j)]).sqrt()
     }
 
     /// √(gᵀ F⁻¹ g) over the first parameters.
