@@ -1,9 +1,10 @@
 //! A drive as a test engineer would record it: a Gaussian road under exact delays, the exact response, imperfect sensors.
 
+use super::driven::sources;
 use super::{Ride, RideError, Vehicle, VehicleError};
 use crate::linalg::{C64, CMat};
 use crate::lti::ModalForm;
-use crate::road::{Coherence, Road, SAME_TRACK_M};
+use crate::road::{Coherence, Road};
 use crate::signal::{Channel, Recording, SignalError, WheelPlace};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
@@ -260,20 +261,11 @@ impl Tracks {
         let at = vehicle.wheel_places();
         let front = at.iter().map(|p| p[0]).fold(f64::NEG_INFINITY, f64::max);
         let independent = *road.coherence() == Coherence::Independent;
-        let mut places: Vec<f64> = Vec::new();
-        let mut of_wheel = Vec::new();
-        for p in &at {
-            let same = |y: &f64| match road.coherence() {
-                Coherence::Independent => false,
-                Coherence::Full => true,
-                Coherence::None => (y - p[1]).abs() < SAME_TRACK_M,
-                Coherence::Bogsjo { .. } => *y == p[1],
-            };
-            let track = places.iter().position(same).unwrap_or_else(|| {
-                places.push(p[1]);
-                places.len() - 1
-            });
-            of_wheel.push(track);
+        let groups = sources(road.coherence(), &at);
+        let places = groups.iter().map(|g| at[g[0]][1]).collect();
+        let mut of_wheel = vec![0; at.len()];
+        for (track, group) in groups.iter().enumerate() {
+            group.iter().for_each(|w| of_wheel[*w] = track);
         }
         let delay_s = at.iter().map(|p| if independent { 0.0 } else { (front - p[0]) / speed_m_s }).collect();
         Tracks { places, of_wheel, delay_s }
@@ -285,7 +277,10 @@ impl Tracks {
         let mut l = vec![0.0; n * n];
         for i in 0..n {
             for j in 0..=i {
-                let gamma = coherence.gamma((self.places[i] - self.places[j]).abs(), omega, speed);
+                let gamma = match coherence {
+                    Coherence::Independent => f64::from(u8::from(i == j)),
+                    _ => coherence.gamma((self.places[i] - self.places[j]).abs(), omega, speed),
+                };
                 let dot: f64 = (0..j).map(|k| l[i * n + k] * l[j * n + k]).sum();
                 l[i * n + j] = if i == j {
                     (gamma - dot).max(0.0).sqrt()

@@ -34,7 +34,9 @@ fn drive(vehicle: &Vehicle, road: &Road, speed_m_s: f64, seed: u64) -> Recording
 #[test]
 fn welch_spectra_of_many_drives_are_the_exact_ones() {
     let vehicle = cases::vehicle("guiggiani-full-car").unwrap();
-    for (coherence, speed) in [(Coherence::bogsjo(3.8).unwrap(), 21.3), (Coherence::None, 13.0)] {
+    for (coherence, speed) in
+        [(Coherence::bogsjo(3.8).unwrap(), 21.3), (Coherence::None, 13.0), (Coherence::Independent, 17.0)]
+    {
         let road = cases::road("iso8608-c").unwrap().with_coherence(coherence);
         let ride = Ride::new(&vehicle, &road, speed).unwrap();
         let names: Vec<String> = ["body", "unsprung"]

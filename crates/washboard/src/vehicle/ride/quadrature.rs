@@ -1,11 +1,11 @@
-//! A vehicle on a road: spectra, rms and covariance of its outputs.
+//! A ride's integrals over frequency: variances and covariances of any road, by adaptive quadrature.
 
-use super::driven::{Driven, Growth, sources};
-use super::{Output, Vehicle};
-use crate::linalg::{C64, CMat, Integral, LinalgError, Mat, eigen, expm, integrate, lyapunov};
-use crate::road::{Coherence, Road, wheel_spectrum, wheel_spectrum_without_delayed};
+use super::{CANCELLED_VARIANCE, Ride, RideError, Variance, infinite};
+use crate::linalg::{C64, CMat, Integral, Mat, eigen, integrate};
+use crate::road::{Coherence, wheel_spectrum, wheel_spectrum_without_delayed};
+use crate::vehicle::Output;
+use crate::vehicle::driven::Growth;
 use std::f64::consts::{PI, TAU};
-use thiserror::Error;
 
 /// Relative accuracy of variances by quadrature.
 const QUADRATURE_TOLERANCE: f64 = 1e-9;
@@ -13,11 +13,6 @@ const QUADRATURE_TOLERANCE: f64 = 1e-9;
 const ROUGH_TOLERANCE: f64 = 1e-3;
 /// Relative accuracy of the tail beyond, itself a small share of the whole.
 const TAIL_TOLERANCE: f64 = 1e-7;
-/// A variance below this share of what the wheels would give on roads of their own is zero but for rounding: the roll of
-/// a symmetric car whose sides run on one track.
-const CANCELLED_VARIANCE: f64 = 1e-12;
-/// Speeds of road vehicles, with room.
-const SPEEDS_M_S: [f64; 2] = [0.01, 500.0];
 /// Beyond this multiple of the fastest pole the responses are power laws, and what is delayed averages out.
 const TAIL_FACTOR: f64 = 300.0;
 /// Evaluations that a ride may take before it gives up.
@@ -25,153 +20,7 @@ const MAX_EVALUATIONS: usize = 2_000_000;
 /// Panels that follow the oscillation of delays; beyond them adaptation has to find it.
 const MAX_DELAY_PANELS: f64 = 4000.0;
 
-/// What is refused of a ride.
-#[derive(Debug, Error, Clone, PartialEq)]
-pub enum RideError {
-    /// The speed is not positive.
-    #[error("speed_m_s: expected a positive number (0.01 to 500), found {0}")]
-    Speed(f64),
-    /// The vehicle has no wheels.
-    #[error("the vehicle has no wheels: a road cannot drive it")]
-    NoWheels,
-    /// The vehicle is not stable, so that there is no stationary response.
-    #[error("the vehicle has no stationary response: its pole {re:e} {im:+e}i (1/s) is not damped")]
-    NotDamped {
-        /// Real part of the pole.
-        re: f64,
-        /// Imaginary part of the pole.
-        im: f64,
-    },
-    /// The quadrature did not reach its accuracy.
-    #[error(
-        "the quadrature of {output} reached a relative error of {reached:e} only (expected {expected:e})"
-    )]
-    Quadrature {
-        /// The worst output.
-        output: String,
-        /// What it reached.
-        reached: f64,
-        /// What it should reach.
-        expected: f64,
-    },
-    /// Linear algebra refused.
-    #[error(transparent)]
-    Linalg(#[from] LinalgError),
-}
-
-/// The variance of an output.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Variance {
-    /// A finite one, in the output's unit squared.
-    Finite(f64),
-    /// Infinite for this road, and why.
-    Infinite(&'static str),
-}
-
-impl Variance {
-    /// √ of a finite variance.
-    #[must_use]
-    pub fn rms(self) -> Option<f64> {
-        match self {
-            Variance::Finite(v) => Some(v.max(0.0).sqrt()),
-            Variance::Infinite(_) => None,
-        }
-    }
-}
-
-/// A vehicle at a speed on a road.
-#[derive(Debug, Clone)]
-pub struct Ride<'a> {
-    vehicle: &'a Vehicle,
-    road: &'a Road,
-    speed_m_s: f64,
-    places: Vec<[f64; 2]>,
-}
-
-impl<'a> Ride<'a> {
-    /// A ride.
-    ///
-    /// # Errors
-    /// A speed that is not positive, a vehicle without wheels or with a pole that is not damped.
-    pub fn new(vehicle: &'a Vehicle, road: &'a Road, speed_m_s: f64) -> Result<Self, RideError> {
-        if !(SPEEDS_M_S[0]..=SPEEDS_M_S[1]).contains(&speed_m_s) {
-            return Err(RideError::Speed(speed_m_s));
-        }
-        if vehicle.wheels().is_empty() {
-            return Err(RideError::NoWheels);
-        }
-        let a = vehicle.system().state_matrix().map_err(|_| LinalgError::Singular {
-            what: "M",
-            why: "the mass matrix is singular",
-            value: 0.0,
-        })?;
-        let (poles, _) = eigen(&a)?;
-        let largest = poles.iter().map(|p| p.norm()).fold(0.0, f64::max);
-        // an undamped pair is computed with a real part of the order of ε |λ|max
-        if let Some(p) = poles.iter().find(|p| p.re >= -1e-13 * largest) {
-            return Err(RideError::NotDamped { re: p.re, im: p.im });
-        }
-        Ok(Ride { vehicle, road, speed_m_s, places: vehicle.wheel_places() })
-    }
-
-    /// The exact spectrum matrix of outputs at ω > 0, S_y = H* S_r Hᵀ (two-sided, unit²·s/rad).
-    ///
-    /// With S_ij = E\[y_i* y_j\]: what Welch's estimate of csd(y_i, y_j) tends to. Source: De Filippis et al., eq. (50).
-    ///
-    /// # Errors
-    /// A dynamic stiffness that is singular at ω.
-    pub fn spectrum(&self, outputs: &[&Output], omega_rad_s: f64) -> Result<CMat, RideError> {
-        let h = self.vehicle.output_response(outputs, omega_rad_s)?;
-        let s = wheel_spectrum(self.road, &self.places, omega_rad_s, self.speed_m_s);
-        Ok(h.conjugate() * s * h.transpose())
-    }
-
-    /// Variances by the state space of a rational road where there is one, else by quadrature.
-    ///
-    /// # Errors
-    /// A quadrature that does not reach its accuracy.
-    pub fn variances(&self, outputs: &[&Output]) -> Result<Vec<Variance>, RideError> {
-        let exact = self.variances_by_lyapunov(outputs)?;
-        let open: Vec<usize> =
-            (0..outputs.len()).filter(|i| exact.as_ref().is_none_or(|e| e[*i].is_none())).collect();
-        let subset: Vec<&Output> = open.iter().map(|i| outputs[*i]).collect();
-        let integrated = self.variances_by_quadrature(&subset)?;
-        let mut all: Vec<Option<Variance>> = exact.unwrap_or_else(|| vec![None; outputs.len()]);
-        for (i, v) in open.into_iter().zip(integrated) {
-            all[i] = Some(v);
-        }
-        Ok(all.into_iter().flatten().collect())
-    }
-
-    /// Variances by Lyapunov equations, exact delays included: None for a road that is not rational; an entry is None
-    /// where only quadrature gives it.
-    ///
-    /// For wheels i, j on one track with delays δ_i ≤ δ_j, E\[x_i x_jᵀ\] = e^{A(δ_j − δ_i)} P_ij with
-    /// A P_ij + P_ij Aᵀ + b_i b_jᵀ = 0.
-    ///
-    /// # Errors
-    /// A Lyapunov equation without a solution.
-    pub fn variances_by_lyapunov(
-        &self,
-        outputs: &[&Output],
-    ) -> Result<Option<Vec<Option<Variance>>>, RideError> {
-        let Some(driven) = self.driven(outputs)? else { return Ok(None) };
-        if matches!(self.road.coherence(), Coherence::Bogsjo { mu } if *mu > 0.0) {
-            let known = driven.growth.iter().map(|g| infinite(*g)).collect();
-            return Ok(Some(known));
-        }
-        let covariance = self.state_covariance(&driven, 0.0)?;
-        let r = &driven.c * &covariance * driven.c.transpose();
-        let q = &driven.b * driven.b.transpose();
-        let apart = &driven.c * lyapunov(&driven.a, &q)?.x * driven.c.transpose();
-        let clean = |v: f64, size: f64| if v <= CANCELLED_VARIANCE * size { 0.0 } else { v };
-        let values = driven.growth.iter().enumerate().map(|(i, g)| match g {
-            Growth::Finite => Some(Variance::Finite(clean(r[(i, i)], apart[(i, i)]))),
-            other => infinite(*other),
-        });
-        Ok(Some(values.collect()))
-    }
-
+impl Ride<'_> {
     /// Variances by adaptive quadrature, (1/π) ∫ S_y dω, over the road's band, or to infinity.
     ///
     /// # Errors
@@ -262,57 +111,6 @@ impl<'a> Ride<'a> {
                 values[i * n + j] / PI
             }
         }))
-    }
-
-    /// For each output, why its variance is infinite on this road, or None.
-    ///
-    /// # Errors
-    /// A system that cannot be solved.
-    pub fn infinite(&self, outputs: &[&Output]) -> Result<Vec<Option<&'static str>>, RideError> {
-        let why = |g: Growth| match infinite(g) {
-            Some(Variance::Infinite(why)) => Some(why),
-            _ => None,
-        };
-        Ok(self
-            .driven(outputs)?
-            .map_or_else(|| vec![None; outputs.len()], |d| d.growth.into_iter().map(why).collect()))
-    }
-
-    fn driven(&self, outputs: &[&Output]) -> Result<Option<Driven>, RideError> {
-        Ok(Driven::new(self.vehicle, self.road, self.speed_m_s, outputs)?)
-    }
-
-    /// E\[x(t) x(t + τ)ᵀ\] of the driven state.
-    fn state_covariance(&self, driven: &Driven, lag_s: f64) -> Result<Mat, RideError> {
-        let size = driven.a.nrows();
-        let mut sum = Mat::zeros(size, size);
-        let first = self.places.iter().map(|p| p[0]).fold(f64::NEG_INFINITY, f64::max);
-        let delay = |j: usize| (first - self.places[j][0]) / self.speed_m_s;
-        let independent = *self.road.coherence() == Coherence::Independent;
-        for group in sources(self.road.coherence(), &self.places) {
-            // Lyapunov's equation is linear: one solve for each distinct delay between two wheels of a group
-            let mut pairs: Vec<(f64, Mat)> = Vec::new();
-            for &i in &group {
-                for &j in &group {
-                    let ahead = if independent { -lag_s } else { delay(j) - delay(i) - lag_s };
-                    let product = Mat::from_fn(size, size, |r, c| driven.b[(r, i)] * driven.b[(c, j)]);
-                    match pairs.iter_mut().find(|(d, _)| (*d - ahead).abs() < 1e-15) {
-                        Some((_, q)) => *q += product,
-                        None => pairs.push((ahead, product)),
-                    }
-                }
-            }
-            for (ahead, q) in pairs {
-                let p = lyapunov(&driven.a, &q)?.x;
-                let step = Mat::from_fn(size, size, |i, j| driven.a[(i, j)] * ahead.abs());
-                sum += match ahead.total_cmp(&0.0) {
-                    std::cmp::Ordering::Greater => expm(&step)? * p,
-                    std::cmp::Ordering::Less => p * expm(&step)?.transpose(),
-                    std::cmp::Ordering::Equal => p,
-                };
-            }
-        }
-        Ok(sum)
     }
 
     fn spectrum_or_average(
@@ -448,13 +246,5 @@ impl<'a> Ride<'a> {
         points.sort_by(f64::total_cmp);
         points.dedup_by(|a, b| (*a - *b).abs() <= 1e-12 * high);
         points
-    }
-}
-
-fn infinite(growth: Growth) -> Option<Variance> {
-    match growth {
-        Growth::White => Some(Variance::Infinite("white noise of the road reaches it undiminished")),
-        Growth::Wandering => Some(Variance::Infinite("it follows a road height that wanders off")),
-        Growth::Finite | Growth::Difference => None,
     }
 }
