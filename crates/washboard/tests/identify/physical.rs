@@ -225,3 +225,15 @@ fn a_band_without_road_is_flagged() {
     let found = identify_recording(&recording, "", Some(("", spec)), &asked).unwrap().0;
     assert!(!found.converged && found.flags.iter().any(|f| f.name == "misfit"), "{:?}", found.flags);
 }
+
+/// The same bits on any number of threads.
+#[test]
+fn threads_change_no_bit() {
+    let (_, spec) = &cars()[0];
+    let recording = drive(spec, &sensors("all", 0.02), 120.0, 6);
+    let on = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| identify(&recording, spec))
+    };
+    assert_eq!(on(1), on(3));
+}
