@@ -45,7 +45,7 @@ type Draw = fn(&IdentifyOutcome, &mut Plots) -> Option<Html>;
 const SECTIONS: &[(&str, &str, Draw)] = &[
     ("truth", "What we knew, what we found", truth::comparison),
     ("modes", "Modes", modes::modes),
-    ("spectra", "Spectra, measured and fitted", spectra::auto),
+    ("spectra", "Spectra", spectra::auto),
     ("cross", "Cross-spectra", spectra::cross),
     ("road", "Road", road::spectrum),
     ("tracks", "Coherence of the tracks", road::tracks),

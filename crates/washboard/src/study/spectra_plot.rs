@@ -33,7 +33,7 @@ pub(super) fn plot(task: &Task<'_>, fitted: Option<(&[f64], &[CMat])>) -> Spectr
     let channels = task.recording.channels();
     let auto = |c: usize| ChannelSpectrum {
         channel: channels[c].name.clone(),
-        unit: format!("({})²/Hz", channels[c].quantity.si_unit()),
+        unit: format!("({})²/Hz", channels[c].quantity.si_unit().replace("^2", "²")),
         measured: shown.iter().map(|(_, k)| per_hz_from_two_sided(s.s[*k][(c, c)].re)).collect(),
         fitted: shown
             .iter()

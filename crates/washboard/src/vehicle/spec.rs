@@ -1,6 +1,9 @@
 //! Vehicles as they are written in files.
 
-use super::{BounceTruck, FullCar, HalfCar, Matrices, QuarterCar, TruckCabin, Vehicle, VehicleError};
+use super::{
+    ActuatorColumn, BounceTruck, FullCar, HalfCar, Matrices, OutputRow, QuarterCar, TruckCabin, Vehicle,
+    VehicleError, WheelRow,
+};
 use serde::{Deserialize, Serialize};
 
 /// A vehicle file: `model`, and the table of that model.
@@ -27,6 +30,15 @@ pub struct VehicleSpec {
     /// `[matrices]`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub matrices: Option<Matrices>,
+    /// `[[wheel]]` of `matrices`, which may stand in its table too.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub wheel: Vec<WheelRow>,
+    /// `[[output]]` of `matrices`.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub output: Vec<OutputRow>,
+    /// `[[actuator]]` of `matrices`.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub actuator: Vec<ActuatorColumn>,
 }
 
 /// The models.
@@ -67,6 +79,9 @@ impl VehicleSpec {
             truck_cabin: None,
             bounce_truck: None,
             matrices: None,
+            wheel: Vec::new(),
+            output: Vec::new(),
+            actuator: Vec::new(),
         }
     }
 
@@ -95,6 +110,20 @@ impl VehicleSpec {
                 });
             }
         }
+        for (field, given) in [
+            ("[[wheel]]", !self.wheel.is_empty()),
+            ("[[output]]", !self.output.is_empty()),
+            ("[[actuator]]", !self.actuator.is_empty()),
+        ] {
+            if given && self.model != Model::Matrices {
+                let found = format!("model = {name:?}");
+                return Err(VehicleError::Field {
+                    field: field.into(),
+                    expected: "model = \"matrices\" with it",
+                    found,
+                });
+            }
+        }
         let built = if let Some(v) = &self.quarter_car {
             v.assemble()
         } else if let Some(v) = &self.half_car {
@@ -104,6 +133,10 @@ impl VehicleSpec {
         } else if let Some(v) = &self.bounce_truck {
             v.assemble()
         } else if let Some(v) = &self.matrices {
+            let mut v = v.clone();
+            v.wheel.extend(self.wheel.iter().cloned());
+            v.output.extend(self.output.iter().cloned());
+            v.actuator.extend(self.actuator.iter().cloned());
             v.assemble()
         } else if let Some(v) = &self.truck_cabin {
             let below = chassis(&v.chassis)?;
@@ -160,4 +193,27 @@ from_model! {
     TruckCabin, Model::TruckCabin, truck_cabin;
     BounceTruck, Model::BounceTruck, bounce_truck;
     Matrices, Model::Matrices, matrices;
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::files::parse_toml;
+    use std::path::Path;
+
+    #[test]
+    fn wheels_and_outputs_of_matrices_stand_inside_or_after_the_table() {
+        let head = "model = \"matrices\"\n[matrices]\nm = [[2.0]]\nc = [[3.0]]\nk = [[100.0]]\nwheel_stiffness = [[100.0]]\n";
+        let tail = |at: &str| {
+            format!(
+                "{head}[[{at}wheel]]\nname = \"w\"\nat_m = [0.0, 0.0]\n[[{at}output]]\nname = \"y\"\nacceleration = [1.0]\n"
+            )
+        };
+        let build = |text: &str| parse_toml::<VehicleSpec>(text, Path::new("v")).unwrap().build_alone();
+        let (inside, after) = (build(&tail("matrices.")).unwrap(), build(&tail("")).unwrap());
+        assert_eq!(inside, after);
+        assert_eq!((after.wheels().len(), after.outputs()[0].name.as_str()), (1, "y"));
+        let e = build(&tail("").replace("model = \"matrices\"", "model = \"quarter-car\"")).unwrap_err();
+        assert!(e.to_string().contains("[quarter-car]"), "{e}");
+    }
 }
