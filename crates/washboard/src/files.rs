@@ -57,11 +57,7 @@ impl FileError {
 /// A file that is missing, is not readable, is too large or is not UTF-8.
 pub fn read_text(path: &Path) -> Result<String, FileError> {
     let read = |source| FileError::Read { path: path.to_owned(), source };
-    let metadata = fs::metadata(path).map_err(read)?;
-    if !metadata.is_file() {
-        return Err(FileError::content(path, None, "expected a file, found a directory, pipe or device"));
-    }
-    let size = metadata.len();
+    let size = size_of_file(path)?;
     if size > MAX_DESCRIPTION_BYTES {
         return Err(FileError::content(
             path,
@@ -77,6 +73,19 @@ pub fn read_text(path: &Path) -> Result<String, FileError> {
             format!("expected UTF-8 text, found byte {} that is none", e.utf8_error().valid_up_to()),
         )
     })
+}
+
+/// The size in bytes of what is a file indeed: to be asked before it is opened, since a pipe may keep a reader for ever.
+///
+/// # Errors
+/// A path that does not exist, or that is a directory, pipe or device.
+pub fn size_of_file(path: &Path) -> Result<u64, FileError> {
+    let metadata = fs::metadata(path).map_err(|source| FileError::Read { path: path.to_owned(), source })?;
+    if metadata.is_file() {
+        Ok(metadata.len())
+    } else {
+        Err(FileError::content(path, None, "expected a file, found a directory, pipe or device"))
+    }
 }
 
 /// A value read from a TOML file; an unknown key is an error that suggests the nearest name.

@@ -35,6 +35,7 @@ pub fn read_csv(
     wanted: &[Column],
     ascending: Option<usize>,
 ) -> Result<Vec<Vec<f64>>, SignalError> {
+    crate::files::size_of_file(path)?;
     let file = File::open(path).map_err(|source| FileError::Read { path: path.to_owned(), source })?;
     parse_csv(file, path, layout, wanted, ascending)
 }

@@ -57,7 +57,7 @@ pub fn read_recording(path: &Path) -> Result<Recording, SignalError> {
 /// The bytes of a binary data file of at most 8 [`MAX_VALUES`] bytes.
 pub(super) fn read_bytes(path: &Path) -> Result<Vec<u8>, SignalError> {
     let fail = |source| FileError::Read { path: path.to_owned(), source };
-    let size = fs::metadata(path).map_err(fail)?.len();
+    let size = crate::files::size_of_file(path)?;
     let most = 8 * MAX_VALUES as u64;
     if size > most {
         let expected = format!("at most {most} bytes");
