@@ -142,6 +142,26 @@ impl ShapingFilter {
         }
     }
 
+    /// The same road as a filter of height, where a filter of velocity over time has a zero at s = 0, so that its height
+    /// does not wander off: r = C A⁻¹ x, since C A⁻¹(A x + B ξ) = C x + D ξ where C A⁻¹ B = D. Itself otherwise.
+    #[must_use]
+    pub fn as_height(&self) -> Self {
+        let n = self.a.nrows();
+        if self.of == Shapes::Height || n == 0 {
+            return self.clone();
+        }
+        let row = Mat::from_fn(n, 1, |i, _| self.c[i]);
+        // cᵀ A⁻¹ = (A⁻ᵀ c)ᵀ; a stable A has an inverse
+        let Ok(x) = crate::linalg::solve(&self.a.transpose().to_owned(), &row) else { return self.clone() };
+        let c: Vec<f64> = (0..n).map(|i| x[(i, 0)]).collect();
+        let terms: Vec<f64> = c.iter().zip(&self.b).map(|(c, b)| c * b).collect();
+        let (sum, size): (f64, f64) = (terms.iter().sum(), terms.iter().map(|t| t.abs()).sum());
+        if (sum - self.d).abs() > 1e-12 * (size + self.d.abs()) {
+            return self.clone();
+        }
+        ShapingFilter { c, d: 0.0, of: Shapes::Height, ..self.clone() }
+    }
+
     /// Two-sided S(ω) of height, m²·s/rad.
     #[must_use]
     pub fn height_psd(&self, omega_rad_s: f64, speed_m_s: f64) -> f64 {

@@ -291,7 +291,7 @@ impl Spectrum {
             Spectrum::WhiteVelocity { .. } => {
                 self.white_intensity(speed_m_s).map(ShapingFilter::white_velocity)
             }
-            Spectrum::Filter(filter) => Some(filter.over_time(speed_m_s)),
+            Spectrum::Filter(filter) => Some(filter.over_time(speed_m_s).as_height()),
             _ => None,
         }
     }

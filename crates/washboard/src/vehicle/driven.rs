@@ -55,6 +55,8 @@ impl Driven {
         let cb: f64 = (0..nf).map(|i| fc[i] * fb[i]).sum();
         let (rate_c, rate_d): (&[f64], f64) = if velocity { (fc, fd) } else { (&ca, cb) };
         let xf = |j: usize, k: usize| 2 * n + j * nf + k;
+        // a white height through a damped tire makes velocities white: q̇ − M⁻¹C_w D ξ takes their place in the state
+        let jump = Mat::from_fn(n, w, |i, j| if velocity { 0.0 } else { mcw[(i, j)] * fd });
         let mut a = Mat::zeros(size, size);
         let mut b = Mat::zeros(size, w);
         for i in 0..n {
@@ -71,8 +73,9 @@ impl Driven {
                         a[(n + i, xf(j, k))] += mkw[(i, j)] * fc[k];
                     }
                 }
-                b[(i, j)] = -t[(i, j)] * rate_d;
-                b[(n + i, j)] = mcw[(i, j)] * rate_d + if velocity { 0.0 } else { mkw[(i, j)] * fd };
+                b[(i, j)] = -t[(i, j)] * rate_d + jump[(i, j)];
+                let slowed: f64 = (0..n).map(|k| mc[(i, k)] * jump[(k, j)]).sum();
+                b[(n + i, j)] = mcw[(i, j)] * rate_d - slowed + if velocity { 0.0 } else { mkw[(i, j)] * fd };
             }
         }
         for j in 0..w {
@@ -83,9 +86,6 @@ impl Driven {
                 b[(xf(j, k), j)] = fb[k];
             }
         }
-        // a white height through a damped tire: its derivative drives every mass behind it
-        let derivative_of_white = !velocity && fd != 0.0;
-        let through_damper = derivative_of_white && vehicle.wheel_damping().norm_max() > 0.0;
         let sources = sources(road.coherence(), &vehicle.wheel_places());
         let mut c = Mat::zeros(outputs.len(), size);
         let mut growth = Vec::with_capacity(outputs.len());
@@ -104,8 +104,16 @@ impl Driven {
                                 height[j].add(v * t[(i, j)]);
                             }
                         }
-                        1 => add(n + i, *v),
+                        1 => {
+                            add(n + i, *v);
+                            for j in 0..w {
+                                white[j].add(v * jump[(i, j)]);
+                            }
+                        }
                         _ => {
+                            for j in 0..w {
+                                unbounded[j].add(v * jump[(i, j)]);
+                            }
                             for col in 0..size {
                                 add(col, v * a[(n + i, col)]);
                             }
@@ -137,7 +145,7 @@ impl Driven {
                     }
                 }
             }
-            growth.push(if through_damper || white.iter().chain(&unbounded).any(|s| !s.is_zero()) {
+            growth.push(if white.iter().chain(&unbounded).any(|s| !s.is_zero()) {
                 Growth::White
             } else if height.iter().all(Sum::is_zero) {
                 Growth::Finite

@@ -135,3 +135,39 @@ fn an_undamped_vehicle_and_a_standing_one_are_refused() {
     let undamped = spec.build_alone().unwrap();
     assert!(Ride::new(&undamped, &road, 20.0).is_err());
 }
+
+/// White road height through damped tires, and velocity with a zero at s = 0: what is finite is found so, by both routes.
+#[test]
+fn proper_height_and_differentiated_velocity() {
+    let vehicle = cases::vehicle("guiggiani-full-car").unwrap();
+    let pole = |v: f64| C64::new(v, 0.0);
+    let filter = |zeros: &[C64], poles: &[C64], gain, of| {
+        Spectrum::Filter(ShapingFilter::from_zeros_poles(zeros, poles, gain, of, false).unwrap())
+    };
+    let height = Road::new(filter(&[pole(-2.0)], &[pole(-1.0)], 0.001, Shapes::Height), Coherence::Full);
+    let rms = |road: &Road, name: &str| -> Option<f64> {
+        let ride = Ride::new(&vehicle, road, 20.0).unwrap();
+        ride.variances(&[vehicle.output(name).unwrap()]).unwrap()[0].rms()
+    };
+    // figures of an independent NumPy integration
+    for (name, value) in [
+        ("heave_displacement", 0.003_059_50),
+        ("unsprung_displacement_front_left", 0.006_443_8),
+        ("heave_velocity", 0.029_557_9),
+    ] {
+        let found = rms(&height, name).unwrap();
+        assert!((found / value - 1.0).abs() < 1e-5, "{name}: {found}");
+    }
+    assert!(rms(&height, "unsprung_velocity_front_left").is_none());
+    assert!(rms(&height, "tire_deflection_front_left").is_none());
+    both_routes(&vehicle, &height, 20.0);
+
+    let poles = [pole(-1.0), pole(-5.0)];
+    let velocity = Road::new(filter(&[pole(0.0)], &poles, 0.05, Shapes::Velocity), Coherence::Independent);
+    let same = Road::new(filter(&[], &poles, 0.05, Shapes::Height), Coherence::Independent);
+    for name in ["heave_displacement", "suspension_travel_rear_left", "roll_acceleration"] {
+        let (a, b) = (rms(&velocity, name).unwrap(), rms(&same, name).unwrap());
+        assert!((a / b - 1.0).abs() < 1e-10, "{name}: {a} {b}");
+    }
+    assert!((rms(&velocity, "heave_displacement").unwrap() / 0.003_585_18 - 1.0).abs() < 1e-5);
+}
