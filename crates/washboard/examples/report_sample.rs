@@ -78,6 +78,7 @@ fn sample() -> Result<IdentifyOutcome, Box<dyn Error>> {
             pole: [mode.pole.re, mode.pole.im],
             shape: values.map(|(dof, z)| ShapeValue { dof: dof.clone(), re: z.re, im: z.im }).collect(),
             label: label.clone(),
+            ..IdentifiedMode::default()
         }
     });
     let mut identified: Vec<_> = identified.collect();
@@ -164,6 +165,7 @@ fn sample() -> Result<IdentifyOutcome, Box<dyn Error>> {
         spectra,
         stabilization,
         truth: Some(truth),
+        ..IdentifyOutcome::default()
     })
 }
 
@@ -211,7 +213,7 @@ fn spectra(
         let (first, second) = (channels[i].0.clone(), channels[j].0.clone());
         PairSpectrum { first, second, coherence, fitted_coherence, phase_rad, fitted_phase_rad }
     });
-    Ok(SpectraPlot { freq_hz, channels: auto, pairs: pairs.to_vec() })
+    Ok(SpectraPlot { freq_hz, channels: auto, pairs: pairs.to_vec(), ..SpectraPlot::default() })
 }
 
 fn stabilization(modes: &[IdentifiedMode], near: &mut impl FnMut(f64, f64) -> f64) -> Vec<StabilizationPole> {

@@ -24,6 +24,7 @@ pub(super) fn full() -> IdentifyOutcome {
             ShapeValue { dof: name(), re: 0.1, im: 0.2 },
         ],
         label: label.into(),
+        ..IdentifiedMode::default()
     };
     IdentifyOutcome {
         converged: true,
@@ -106,6 +107,7 @@ pub(super) fn full() -> IdentifyOutcome {
                 phase_rad: wave(1.0),
                 fitted_phase_rad: wave(1.1),
             }],
+            ..SpectraPlot::default()
         },
         stabilization: vec![StabilizationPole {
             order: 10,
@@ -122,6 +124,7 @@ pub(super) fn full() -> IdentifyOutcome {
             delay_s: 0.133,
             parameters: vec![(name(), 15750.0)],
         }),
+        ..IdentifyOutcome::default()
     }
 }
 

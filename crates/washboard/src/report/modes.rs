@@ -165,6 +165,7 @@ mod tests {
             pole: [0.0, 1.0],
             shape,
             label: "x".into(),
+            ..IdentifiedMode::default()
         }
     }
 

@@ -181,6 +181,7 @@ mod tests {
             pole: [0.0, 0.0],
             shape: Vec::new(),
             label: label.into(),
+            ..IdentifiedMode::default()
         }
     }
 

@@ -211,22 +211,11 @@ pub(super) fn blank(
     IdentifyOutcome {
         converged: true,
         method: method.name().to_owned(),
-        flags: Vec::new(),
-        notes: Vec::new(),
-        modes: Vec::new(),
-        road: None,
-        coherence: None,
-        delay_s: None,
-        delay_sd_s: None,
-        noise: Vec::new(),
-        rejected: Vec::new(),
         lines: lines(task),
-        parameters: Vec::new(),
-        fit: None,
         recording: summary(task),
         spectra: spectra_plot::plot(task, fitted),
-        stabilization: Vec::new(),
-        truth: None,
+        singular_values: spectra_plot::singular_values(task),
+        ..IdentifyOutcome::default()
     }
 }
 

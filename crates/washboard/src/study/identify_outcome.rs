@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 
 /// The result of `identify` (and, with [`IdentifyOutcome::truth`], of `demo`). Frequencies in Hz, damping as a ratio,
 /// spectra one-sided per Hz in the channel's SI unit squared.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct IdentifyOutcome {
     /// Whether the method ended with success; false goes with flags that say why.
     pub converged: bool,
@@ -43,9 +43,27 @@ pub struct IdentifyOutcome {
     pub recording: RecordingSummary,
     /// Measured and fitted spectra.
     pub spectra: SpectraPlot,
-    /// All poles at all orders (`ssi`).
+    /// All poles at all orders (`ssi`, `plscf`).
     #[serde(default)]
     pub stabilization: Vec<StabilizationPole>,
+    /// Singular values of the cross-spectral matrix, largest first: what stabilisation diagrams are drawn over.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub singular_values: Option<SingularValues>,
+    /// Modal assurance criteria between all modes, in their order.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub mac: Vec<Vec<f64>>,
+    /// The starts that were tried, the best first (`physical` without a vehicle file, `tvimm`).
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub starts: Vec<StartTried>,
+    /// The numbers of modes that were tried (`tvimm`).
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub orders: Vec<OrderTried>,
+    /// Sensors whose clock is off (`physical`).
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub clocks: Vec<ClockOffset>,
+    /// Each recording by itself, where several were given or one was cut by speed.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub runs: Vec<RunSummary>,
     /// What is known of a simulated drive, for comparison: `demo` only, `identify` never sees it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub truth: Option<Truth>,
@@ -61,7 +79,7 @@ pub struct Flag {
 }
 
 /// One mode.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct IdentifiedMode {
     /// |λ|/2π.
     pub freq_hz: f64,
@@ -77,6 +95,109 @@ pub struct IdentifiedMode {
     pub shape: Vec<ShapeValue>,
     /// The motion that it resembles.
     pub label: String,
+    /// Vertical displacements where the vehicle can be drawn: corners, hubs, sensors.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub points: Vec<ShapePoint>,
+    /// Modal phase collinearity of the shape: 1 for a standing wave, 0 for a travelling one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub mpc: Option<f64>,
+    /// Mean phase of the shape's components, degrees in (−90, 90].
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub mean_phase_deg: Option<f64>,
+}
+
+/// The vertical displacement of a point of the vehicle in a mode; the largest of all points of a mode is 1.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct ShapePoint {
+    /// A sensor's name, or `body front-left`, `hub front-left` …
+    pub name: String,
+    /// `body`, `hub`, `axle`, `cab`.
+    pub place: String,
+    /// [x, y], m: x forward, y left.
+    pub at_m: [f64; 2],
+    /// Real part.
+    pub re: f64,
+    /// Imaginary part.
+    pub im: f64,
+}
+
+/// Singular values over frequency of spectra whose channels are scaled to an rms of 1.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct SingularValues {
+    /// Bins, Hz.
+    pub freq_hz: Vec<f64>,
+    /// One curve a singular value, largest first, 1/Hz.
+    pub values: Vec<Vec<f64>>,
+}
+
+/// One start of a fit, and where it led.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct StartTried {
+    /// What it was made from.
+    pub name: String,
+    /// Whittle cost at its end.
+    pub cost: f64,
+    /// Residual statistic at its end.
+    pub chi: f64,
+    /// Whether the search converged.
+    pub converged: bool,
+    /// Steps taken.
+    pub steps: usize,
+}
+
+/// One number of modes, and how well it explains the data.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct OrderTried {
+    /// Pairs of poles.
+    pub modes: usize,
+    /// Free parameters.
+    pub parameters: usize,
+    /// Whittle cost.
+    pub cost: f64,
+    /// Bayes' criterion (twice the cost and ln of the averages a parameter): the smallest explains best.
+    pub bic: f64,
+    /// Residual statistic.
+    pub chi: f64,
+    /// Whether the search converged.
+    pub converged: bool,
+    /// Whether it is the one reported.
+    pub chosen: bool,
+}
+
+/// A sensor whose clock runs behind the others.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct ClockOffset {
+    /// The channel.
+    pub channel: String,
+    /// How much later than the others' its samples are stamped, s.
+    pub offset_s: f64,
+    /// Standard deviation, s.
+    pub sd_s: f64,
+}
+
+/// One recording of several, identified by itself.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct RunSummary {
+    /// The description's file name, or the part of the drive.
+    pub name: String,
+    /// Mean speed.
+    pub speed_m_s: Option<f64>,
+    /// Length.
+    pub duration_s: f64,
+    /// Whether the fit of this recording converged.
+    pub converged: bool,
+    /// Its flags.
+    pub flags: Vec<Flag>,
+    /// Its own modes (shapes and points left out).
+    pub modes: Vec<IdentifiedMode>,
+    /// Its road: from the fit with the shared vehicle where there is one.
+    pub road: Option<IdentifiedRoad>,
+    /// Its coherence, likewise.
+    pub coherence: Option<IdentifiedCoherence>,
+    /// Its delay, s, likewise.
+    pub delay_s: Option<f64>,
+    /// Its residual statistic.
+    pub chi: Option<f64>,
 }
 
 /// One component of a shape.
@@ -191,7 +312,7 @@ pub struct FitQuality {
 }
 
 /// What was recorded.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct RecordingSummary {
     /// The description's file name.
     pub name: String,
@@ -233,10 +354,13 @@ pub struct ChannelSummary {
 }
 
 /// Spectra to plot.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct SpectraPlot {
     /// Bins, Hz.
     pub freq_hz: Vec<f64>,
+    /// A measured density times these is its 95 % interval.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub confidence: Option<[f64; 2]>,
     /// Auto-spectra, one a channel.
     pub channels: Vec<ChannelSpectrum>,
     /// Cross-spectra of a few telling pairs: front-rear, left-right, body-hub.

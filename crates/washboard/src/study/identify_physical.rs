@@ -5,7 +5,7 @@ use super::identify_outcome::{
     ChannelNoise, FitQuality, FittedParameter, Flag, IdentifiedCoherence, IdentifiedMode, IdentifiedRoad,
     IdentifyOutcome, ShapeValue,
 };
-use super::{IdentifyMethod, StudyError};
+use super::{IdentifyMethod, StudyError, shape_points};
 use crate::identify::{PhysicalOutcome, PhysicalSettings, fit_physical};
 use crate::road::{CoherenceSpec, IsoClass, RoadSpec};
 use crate::signal::{CrossSpectra, Segment, WelchSettings, welch};
@@ -175,6 +175,8 @@ fn fill(
                 .map(|(z, dof)| ShapeValue { dof: dof.clone(), re: z.re, im: z.im })
                 .collect(),
             label,
+            points: shape_points::of_vehicle(vehicle, &mode.shape),
+            ..IdentifiedMode::default()
         })
         .collect();
     let one_sided = |v: f64| {

@@ -51,6 +51,7 @@ pub(super) fn run(task: &Task<'_>) -> Result<IdentifyOutcome, StudyError> {
                 .map(|s| ShapeValue { dof: recording.channels()[s.channel].name.clone(), re: s.re, im: s.im })
                 .collect(),
             label: format!("mode {number}"),
+            ..IdentifiedMode::default()
         });
     }
     outcome.rejected.sort_by(|a, b| a.freq_hz.total_cmp(&b.freq_hz));

@@ -14,6 +14,7 @@ mod modes;
 mod named;
 mod ride;
 mod sensors;
+mod shape_points;
 mod simulate;
 mod spec;
 mod spectra_plot;

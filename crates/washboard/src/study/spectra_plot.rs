@@ -1,7 +1,7 @@
 //! Measured and fitted spectra for tables and pages.
 
 use super::identify::Task;
-use super::identify_outcome::{ChannelSpectrum, PairSpectrum, SpectraPlot};
+use super::identify_outcome::{ChannelSpectrum, PairSpectrum, SingularValues, SpectraPlot};
 use crate::linalg::CMat;
 use crate::signal::{Place, Quantity};
 use crate::units::per_hz_from_two_sided;
@@ -53,10 +53,45 @@ pub(super) fn plot(task: &Task<'_>, fitted: Option<(&[f64], &[CMat])>) -> Spectr
         }
     };
     SpectraPlot {
+        confidence: confidence(s.averages),
         freq_hz: shown.iter().map(|(_, k)| s.freq_hz[*k]).collect(),
         channels: (0..channels.len()).map(auto).collect(),
         pairs: telling_pairs(task).into_iter().map(cross).collect(),
     }
+}
+
+/// What a measured density is to be multiplied by for the ends of its 95 % interval: 2K/χ² of 2K degrees of freedom at K
+/// averages, χ² by Wilson and Hilferty's cube (Proc. Natl. Acad. Sci. 17 (1931) 684).
+fn confidence(averages: f64) -> Option<[f64; 2]> {
+    let share = 2.0 / (9.0 * 2.0 * averages);
+    let chi2_over_freedom = |z: f64| (1.0 - share + z * share.sqrt()).powi(3);
+    let (low, high) = (1.0 / chi2_over_freedom(1.96), 1.0 / chi2_over_freedom(-1.96));
+    (high.is_finite() && high > low && low > 0.0).then_some([low, high])
+}
+
+/// Singular values of the spectra of channels scaled to an rms of 1, one-sided per Hz, in the band with some room.
+pub(super) fn singular_values(task: &Task<'_>) -> Option<SingularValues> {
+    let s = &task.spectra;
+    let n = s.channels.len();
+    let width = per_hz_from_two_sided(1.0) * s.resolution_hz();
+    let power: Vec<f64> =
+        (0..n).map(|i| s.s.iter().skip(1).map(|m| m[(i, i)].re).sum::<f64>() * width).collect();
+    if power.iter().any(|p| !(*p > 0.0 && p.is_finite())) {
+        return None;
+    }
+    let inside = |k: &usize| *k >= 1 && s.freq_hz[*k] >= task.band_hz[0] && s.freq_hz[*k] <= task.band_hz[1];
+    let bins: Vec<usize> = (0..s.freq_hz.len()).filter(inside).collect();
+    let stride = bins.len().div_ceil(MOST_BINS).max(1);
+    let shown: Vec<usize> = bins.into_iter().step_by(stride).collect();
+    let mut values = vec![Vec::with_capacity(shown.len()); n];
+    for k in &shown {
+        let scaled = CMat::from_fn(n, n, |i, j| s.s[*k][(i, j)] / (power[i] * power[j]).sqrt());
+        let found = scaled.self_adjoint_eigenvalues(faer::Side::Lower).ok()?;
+        for (curve, value) in values.iter_mut().zip(found.into_iter().rev()) {
+            curve.push(per_hz_from_two_sided(value.max(0.0)));
+        }
+    }
+    Some(SingularValues { freq_hz: shown.iter().map(|k| s.freq_hz[*k]).collect(), values })
 }
 
 /// Front against rear of one side, left against right of one axle, body above hub: the first of each, hubs preferred.
