@@ -1,4 +1,4 @@
-//! Vehicles: quarter, half and full cars, a truck cabin on its chassis, and any M, C, K with wheels.
+//! Vehicles: quarter, half and full cars, a truck cabin on its chassis, any M, C, K with wheels, or modes alone.
 
 mod body;
 mod bounce_truck;
@@ -11,6 +11,7 @@ mod matrices;
 mod multi_axle;
 mod parametric;
 mod quarter_car;
+mod response;
 mod ride;
 mod sensors;
 mod simulate;
@@ -25,6 +26,7 @@ pub use half_car::{HalfCar, HalfCarVariant};
 pub use matrices::{ActuatorColumn, Matrices, OutputRow, WheelRow};
 pub use parametric::ParametricVehicle;
 pub use quarter_car::QuarterCar;
+pub use response::{Response, ResponseMode, ResponseOutput, ResponseReal};
 pub use ride::{Ride, RideError, Variance};
 pub use simulate::{Drive, DriveSettings, Flaws, SimulateError, drive, simulate};
 pub use spec::{Model, VehicleSpec};
@@ -111,6 +113,16 @@ pub struct Vehicle {
     outputs: Vec<Output>,
     actuators: Vec<Actuator>,
     patterns: Vec<(String, Vec<f64>)>,
+    known_modes: Option<KnownModes>,
+}
+
+/// Modes that are the vehicle's definition: their shapes at named places, and their names.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct KnownModes {
+    /// What the components of a shape are.
+    pub places: Vec<String>,
+    /// Ascending in |λ|.
+    pub modes: Vec<(Mode, String)>,
 }
 
 /// The parts that a model brings together; [`Vehicle::new`] checks them.
@@ -151,7 +163,12 @@ impl Vehicle {
             outputs: parts.outputs,
             actuators: parts.actuators,
             patterns: parts.patterns,
+            known_modes: None,
         })
+    }
+
+    pub(crate) fn with_known_modes(self, modes: KnownModes) -> Self {
+        Vehicle { known_modes: Some(modes), ..self }
     }
 
     /// M, C and K.
@@ -247,11 +264,20 @@ impl Vehicle {
         }))
     }
 
+    /// What the components of a mode's shape are: the degrees of freedom, or the outputs of a vehicle known by its modes.
+    #[must_use]
+    pub fn shape_places(&self) -> &[String] {
+        self.known_modes.as_ref().map_or(&self.dofs, |known| &known.places)
+    }
+
     /// Modes, ascending in |λ|, each with the name of the motion that it resembles most.
     ///
     /// # Errors
     /// An eigenvalue iteration that does not converge.
     pub fn modes(&self) -> Result<Vec<(Mode, String)>, VehicleError> {
+        if let Some(known) = &self.known_modes {
+            return Ok(known.modes.clone());
+        }
         let modes = crate::lti::modes(&self.system)?;
         let labels = self.labels(&modes);
         Ok(modes.into_iter().zip(labels).collect())
@@ -277,8 +303,8 @@ impl Vehicle {
         let mut ranked: Vec<(f64, usize, usize)> = Vec::new();
         for (im, mode) in modes.iter().enumerate().filter(|(_, m)| m.kind == ModeKind::Oscillatory) {
             let shape = |i: usize| mode.shape[i];
-            let norm = inner(&shape, &shape).re;
             for (ip, (_, pattern)) in self.patterns.iter().enumerate() {
+                let norm = inner(&shape, &shape).re;
                 let p = |i: usize| C64::new(pattern[i], 0.0);
                 let likeness = inner(&p, &shape).norm_sqr() / (norm * inner(&p, &p).re);
                 ranked.push((likeness, im, ip));
