@@ -122,12 +122,16 @@ impl Numbers {
             tire_stiffness_n_per_m: both(tire),
             tire_damping_n_s_per_m: both(2.0 * TIRE_DAMPING_RATIO * (tire * unsprung).sqrt()),
             anti_roll_stiffness_n_m_per_rad: 0.0,
+            damper_curve: None,
         };
         Ok(Numbers { corner, track_stiffness: BAR_SHARE * k })
     }
 
     fn with_bar(&self, track_m: f64) -> Axle {
-        Axle { anti_roll_stiffness_n_m_per_rad: self.track_stiffness * track_m * track_m, ..self.corner }
+        Axle {
+            anti_roll_stiffness_n_m_per_rad: self.track_stiffness * track_m * track_m,
+            ..self.corner.clone()
+        }
     }
 }
 
@@ -148,6 +152,7 @@ fn template(start: &GenericStart, layout: &Layout) -> Result<Template, VehicleEr
                 suspension_damping_n_s_per_m: c.sides()[0],
                 tire_stiffness_n_per_m: kt.sides()[0],
                 tire_damping_n_s_per_m: numbers.corner.tire_damping_n_s_per_m.sides()[0],
+                damper_curve: None,
             }))
         }
         [front, rear] if front.len() == 1 && rear.len() == 1 => {
@@ -157,7 +162,7 @@ fn template(start: &GenericStart, layout: &Layout) -> Result<Template, VehicleEr
                 pitch_inertia_kg_m2: SPRUNG_MASS_KG * (GYRATION[1] * 2.0 * half).powi(2),
                 front_axle_m: half,
                 rear_axle_m: half,
-                front: numbers.corner,
+                front: numbers.corner.clone(),
                 rear: numbers.corner,
                 variant: HalfCarVariant::Corrected,
             }))
@@ -196,7 +201,7 @@ fn on_axles(numbers: &Numbers, layout: &Layout) -> Template {
     let mean = widths.iter().sum::<f64>() / widths.len().max(1) as f64;
     let axle = |wheels: &Vec<usize>| match wheels[..] {
         [l, r] => numbers.with_bar(y(l) - y(r)),
-        _ => numbers.corner,
+        _ => numbers.corner.clone(),
     };
     let (pitch, roll) = (layout.wheelbase_m(), layout.track_m());
     let body = MultiAxle {

@@ -138,6 +138,7 @@ impl Matrices {
                 })
                 .collect::<Result<_, VehicleError>>()?,
             patterns: self.patterns(),
+            dampers: vec![],
         })
     }
 

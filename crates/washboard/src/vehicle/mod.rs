@@ -2,6 +2,7 @@
 
 mod body;
 mod bounce_truck;
+mod damper;
 mod driven;
 mod full_car;
 mod generic;
@@ -20,6 +21,7 @@ mod truck_cabin;
 mod values;
 
 pub use bounce_truck::BounceTruck;
+pub use damper::{Damper, DamperCurve};
 pub use full_car::FullCar;
 pub use generic::{GenericStart, Symmetry};
 pub use half_car::{HalfCar, HalfCarVariant};
@@ -113,6 +115,7 @@ pub struct Vehicle {
     outputs: Vec<Output>,
     actuators: Vec<Actuator>,
     patterns: Vec<(String, Vec<f64>)>,
+    dampers: Vec<Damper>,
     known_modes: Option<KnownModes>,
 }
 
@@ -139,6 +142,8 @@ pub(crate) struct Parts {
     pub actuators: Vec<Actuator>,
     /// Names of motions and their displacement patterns, for the labels of modes.
     pub patterns: Vec<(String, Vec<f64>)>,
+    /// Dampers with a curve; C holds what stands for them.
+    pub dampers: Vec<Damper>,
 }
 
 impl Vehicle {
@@ -163,6 +168,7 @@ impl Vehicle {
             outputs: parts.outputs,
             actuators: parts.actuators,
             patterns: parts.patterns,
+            dampers: parts.dampers,
             known_modes: None,
         })
     }
@@ -211,6 +217,39 @@ impl Vehicle {
     #[must_use]
     pub fn outputs(&self) -> &[Output] {
         &self.outputs
+    }
+
+    /// The dampers that have a curve, in the order of the corners.
+    #[must_use]
+    pub fn dampers(&self) -> &[Damper] {
+        &self.dampers
+    }
+
+    /// The same vehicle with other linear dampings in the place of its dampers with a curve (N·s/m, one a damper).
+    ///
+    /// # Errors
+    /// Another number of values than dampers; values that are not finite.
+    pub fn with_damping(&self, c_n_s_per_m: &[f64]) -> Result<Self, VehicleError> {
+        if c_n_s_per_m.len() != self.dampers.len() {
+            return Err(VehicleError::Field {
+                field: "damping".into(),
+                expected: "one value a damper with a curve",
+                found: format!("{} for {}", c_n_s_per_m.len(), self.dampers.len()),
+            });
+        }
+        let mut c = self.system.c().clone();
+        let mut dampers = self.dampers.clone();
+        for (damper, value) in dampers.iter_mut().zip(c_n_s_per_m) {
+            let more = value - damper.linear;
+            for i in 0..damper.row.len() {
+                for j in 0..damper.row.len() {
+                    c[(i, j)] += more * damper.row[i] * damper.row[j];
+                }
+            }
+            damper.linear = *value;
+        }
+        let system = SecondOrder::new(self.system.m().clone(), c, self.system.k().clone())?;
+        Ok(Vehicle { system, dampers, ..self.clone() })
     }
 
     /// The actuators.

@@ -176,6 +176,7 @@ impl Layout {
                     row,
                     at_m: [x, y],
                     damping: axle.suspension_damping_n_s_per_m.sides()[side],
+                    damper_curve: None,
                     unsprung_mass: axle.unsprung_mass_kg.sides()[side],
                     tire_stiffness: axle.tire_stiffness_n_per_m.sides()[side],
                     tire_damping: axle.tire_damping_n_s_per_m.sides()[side],

@@ -134,6 +134,8 @@ impl ParametricVehicle {
     /// As [`ParametricVehicle::new`], with values that are `known`: such a field is held at the value given. A name
     /// without its axle means every axle, one without its side both sides.
     ///
+    /// A fit is linear: damper curves of the file are left out, and so of its results.
+    ///
     /// Where a mass, inertia, stiffness or damping other than the sprung mass is known, it sets the scale, and the
     /// sprung mass is free.
     ///
@@ -146,7 +148,8 @@ impl ParametricVehicle {
         freed: &[String],
         known: &[(String, f64)],
     ) -> Result<(Self, Vec<usize>), VehicleError> {
-        Self::from_template(Template::File(Box::new(spec.clone())), channels, wheels, freed, known, false)
+        let linear = Box::new(spec.without_damper_curves());
+        Self::from_template(Template::File(linear), channels, wheels, freed, known, false)
     }
 
     /// `rescale`: the start's scale is nobody's knowledge, and follows the known values.

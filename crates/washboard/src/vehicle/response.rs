@@ -272,6 +272,7 @@ impl Response {
             outputs: self.outputs(&rows),
             actuators: vec![],
             patterns: vec![],
+            dampers: vec![],
         })?;
         Ok(vehicle.with_known_modes(self.modes()))
     }

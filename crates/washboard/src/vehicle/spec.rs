@@ -171,6 +171,19 @@ impl VehicleSpec {
         })
     }
 
+    /// The same file without damper curves: what stands for them stays.
+    #[must_use]
+    pub fn without_damper_curves(&self) -> Self {
+        let mut spec = self.clone();
+        let axles = spec.full_car.as_mut().map(|c| [&mut c.front, &mut c.rear]).into_iter();
+        let half = spec.half_car.as_mut().map(|c| [&mut c.front, &mut c.rear]).into_iter();
+        axles.chain(half).flatten().for_each(|axle| axle.damper_curve = None);
+        if let Some(car) = &mut spec.quarter_car {
+            car.damper_curve = None;
+        }
+        spec
+    }
+
     /// The vehicle of a model that needs no other file.
     ///
     /// # Errors

@@ -41,6 +41,7 @@ fn overdamped() -> Vehicle {
         suspension_damping_n_s_per_m: 9000.0,
         tire_stiffness_n_per_m: 160e3,
         tire_damping_n_s_per_m: 100.0,
+        damper_curve: None,
     };
     VehicleSpec::from(car).build_alone().unwrap()
 }
