@@ -30,7 +30,7 @@ pub(super) fn run(
         expected: "the recording's speed: without it a delay and a road cannot be told".into(),
         found: "none".into(),
     })?;
-    if matches!(start.model, Model::TruckCabin | Model::Matrices) {
+    if matches!(start.model, Model::TruckCabin | Model::Matrices | Model::Response) {
         return Err(StudyError::Setting {
             field: "vehicle",
             expected: "a model that the physical fit knows (quarter-car, half-car, full-car, bounce-truck), or --method ssi".into(),
