@@ -12,3 +12,16 @@ pub fn pair(text: &str) -> Result<[f64; 2], String> {
 pub fn word<T: serde::de::DeserializeOwned>(text: &str) -> Result<T, String> {
     serde_json::from_value(serde_json::Value::String(text.to_owned())).map_err(|e| e.to_string())
 }
+
+/// `NAME=VALUE` of a positive number.
+pub fn assignment(text: &str) -> Result<(String, f64), String> {
+    let wrong =
+        || format!("expected a name and a positive number such as sprung_mass_kg=1150, found {text:?}");
+    let (name, value) = text.split_once('=').ok_or_else(wrong)?;
+    let value = value.trim().parse::<f64>().map_err(|_| wrong())?;
+    if value.is_finite() && value > 0.0 && !name.trim().is_empty() {
+        Ok((name.trim().to_owned(), value))
+    } else {
+        Err(wrong())
+    }
+}

@@ -148,11 +148,8 @@ fn the_mountain_bikes_travel_is_in_metres() {
 fn classical(name: &str) -> washboard::study::IdentifyRun {
     washboard::study::identify(&washboard::study::IdentifySpec {
         recording: example(name),
-        vehicle: None,
         method: washboard::study::IdentifyMethod::Ssi,
-        band_hz: None,
-        segment_s: None,
-        convention: None,
+        ..washboard::study::IdentifySpec::default()
     })
     .unwrap()
 }

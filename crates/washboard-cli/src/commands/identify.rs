@@ -1,6 +1,6 @@
 //! `washboard identify`: from a recording to modes and the road.
 
-use crate::args::{pair, word};
+use crate::args::{assignment, pair, word};
 use crate::output::{Failure, Output};
 use crate::table::{Table, number, percent, with_sd};
 use clap::Args;
@@ -16,12 +16,15 @@ use washboard::units::Convention;
 /// Find the modes and the road of a recording.
 #[derive(Debug, Args)]
 pub struct Arguments {
-    /// The recording's description.
-    #[arg(value_name = "RUN.toml")]
-    recording: PathBuf,
-    /// What the vehicle is like: a TOML file or case:NAME.
+    /// The recording's description; several are of one vehicle at other speeds or on other roads.
+    #[arg(value_name = "RUN.toml", required = true, num_args = 1..)]
+    recordings: Vec<PathBuf>,
+    /// What the vehicle is like: a TOML file or case:NAME; without it a generic vehicle on the recording's wheels.
     #[arg(long)]
     vehicle: Option<String>,
+    /// A value that is known, such as sprung_mass_kg=1150: it sets the scale of masses and stiffnesses.
+    #[arg(long, value_name = "NAME=VALUE", value_parser = assignment)]
+    known: Vec<(String, f64)>,
     /// How.
     #[arg(long, default_value = "physical", value_parser = methods())]
     method: IdentifyMethod,
@@ -52,11 +55,15 @@ pub fn run(a: Arguments, output: Output) -> Result<ExitCode, Failure> {
     if let Some(dir) = &a.output {
         check_target_directory(dir, a.overwrite)?;
     }
-    let title = a.recording.file_name().map_or_else(String::new, |n| n.to_string_lossy().into_owned());
+    let name = |p: &Path| p.file_name().map_or_else(String::new, |n| n.to_string_lossy().into_owned());
+    let title = a.recordings.iter().map(|p| name(p)).collect::<Vec<_>>().join(", ");
+    let mut recordings = a.recordings.into_iter();
     let progress = output.progress("identifying");
     let result = identify(&IdentifySpec {
-        recording: a.recording,
+        recording: recordings.next().unwrap_or_default(),
+        more: recordings.collect(),
         vehicle: a.vehicle,
+        known: a.known,
         method: a.method,
         band_hz: a.band_hz,
         segment_s: a.segment_s,

@@ -5,9 +5,9 @@
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use washboard::cases;
-use washboard::lti::Parametric;
+use washboard::lti::{Mode, Parametric};
 use washboard::signal::{Channel, Direction, Place, Quantity, WheelPlace};
-use washboard::study::{IdentifyMethod, IdentifySpec};
+use washboard::study::{IdentifiedMode, IdentifyMethod, IdentifyOutcome, IdentifySpec};
 use washboard::vehicle::{Axle, Flaws, FullCar, LeftRight, ParametricVehicle, VehicleSpec};
 
 /// Published, light, SUV, sports, van, asymmetric.
@@ -147,12 +147,89 @@ pub fn perturbed(
 
 /// The settings of `identify` without options.
 pub fn settings(method: IdentifyMethod) -> IdentifySpec {
-    IdentifySpec {
-        recording: "simulated".into(),
-        vehicle: None,
-        method,
-        band_hz: None,
-        segment_s: None,
-        convention: None,
+    IdentifySpec { recording: "simulated".into(), method, ..IdentifySpec::default() }
+}
+
+/// Errors of identifications: f in %, ζ in points, S₀ in %, e, μ in %, and each over its standard deviation.
+#[derive(Debug, Clone, Default)]
+pub struct Errors {
+    pub f: Vec<f64>,
+    pub zeta: Vec<f64>,
+    pub s0: Vec<f64>,
+    pub e: Vec<f64>,
+    pub mu: Vec<f64>,
+    pub scores: Vec<f64>,
+    /// Scores of f, ζ, S₀, e, μ apart.
+    pub by_kind: [Vec<f64>; 5],
+}
+
+impl Errors {
+    pub fn of(found: &IdentifyOutcome, truth: &[(Mode, String)], s0: f64, e: f64, mu: f64) -> Self {
+        let mut out = Errors::default();
+        for (t, _) in truth {
+            // the nearest mode that was found, once each mode is near its truth
+            let near = |m: &&IdentifiedMode| (m.pole[0] - t.pole.re).hypot(m.pole[1] - t.pole.im);
+            let Some(m) = found.modes.iter().min_by(|a, b| near(a).total_cmp(&near(b))) else { continue };
+            out.f.push(100.0 * (m.freq_hz / t.freq_hz - 1.0));
+            out.zeta.push(100.0 * (m.damping - t.damping));
+            out.by_kind[0].push((m.freq_hz - t.freq_hz) / m.freq_sd_hz.unwrap_or(f64::NAN));
+            out.by_kind[1].push((m.damping - t.damping) / m.damping_sd.unwrap_or(f64::NAN));
+        }
+        if let Some(r) = &found.road {
+            out.s0.push(100.0 * (r.roughness_m3 / s0 - 1.0));
+            out.e.push(r.exponent - e);
+            out.by_kind[2].push((r.roughness_m3 - s0) / r.roughness_sd_m3);
+            out.by_kind[3].push((r.exponent - e) / r.exponent_sd);
+        }
+        if let Some(c) = &found.coherence {
+            out.mu.push(100.0 * (c.mu / mu - 1.0));
+            out.by_kind[4].push((c.mu - mu) / c.mu_sd);
+        }
+        out.scores = out.by_kind.concat();
+        out
     }
+
+    pub fn add(&mut self, other: &Errors) {
+        self.f.extend(&other.f);
+        self.zeta.extend(&other.zeta);
+        self.s0.extend(&other.s0);
+        self.e.extend(&other.e);
+        self.mu.extend(&other.mu);
+        self.scores.extend(&other.scores);
+        for (mine, theirs) in self.by_kind.iter_mut().zip(&other.by_kind) {
+            mine.extend(theirs);
+        }
+    }
+
+    fn words(of: impl Fn(&[f64]) -> f64, e: &Errors) -> String {
+        format!(
+            "f {:.3} % zeta {:.3} points S0 {:.2} % e {:.4} mu {:.2} %",
+            of(&e.f),
+            of(&e.zeta),
+            of(&e.s0),
+            of(&e.e),
+            of(&e.mu)
+        )
+    }
+
+    pub fn line(&self) -> String {
+        self.worst_line()
+    }
+
+    pub fn rms_line(&self) -> String {
+        Self::words(rms, self)
+    }
+
+    pub fn worst_line(&self) -> String {
+        Self::words(|v| v.iter().fold(0.0, |a: f64, b| a.max(b.abs())), self)
+    }
+
+    pub fn score_line(&self) -> String {
+        let [f, zeta, s0, e, mu] = &self.by_kind;
+        format!("f {:.2} zeta {:.2} S0 {:.2} e {:.2} mu {:.2}", rms(f), rms(zeta), rms(s0), rms(e), rms(mu))
+    }
+}
+
+pub fn rms(v: &[f64]) -> f64 {
+    (v.iter().map(|x| x * x).sum::<f64>() / v.len() as f64).sqrt()
 }

@@ -10,4 +10,4 @@ pub use first_order::FirstOrder;
 pub use mechanics::{MechanicsError, SecondOrder};
 pub use modal::ModalForm;
 pub use modes::{Mode, ModeKind, modes};
-pub use wheeled::{Parametric, WheeledSystem};
+pub use wheeled::{Parametric, StartedAt, WheeledSystem};

@@ -79,9 +79,43 @@ pub trait Parametric: Sync {
     fn limits(&self) -> Vec<[f64; 2]> {
         self.start().iter().map(|v| [v * (-4.0f64).exp(), v * 4.0f64.exp()]).collect()
     }
+    /// Whether each may be absent: such a part that runs to its lower limit is none, and no failure.
+    fn may_vanish(&self) -> Vec<bool> {
+        vec![false; self.names().len()]
+    }
     /// The system at given values.
     ///
     /// # Errors
     /// Values that make no system, in words.
     fn system(&self, values: &[f64]) -> Result<WheeledSystem, String>;
+}
+
+/// A family that starts elsewhere: at an answer to other data.
+pub struct StartedAt<'a> {
+    /// The family.
+    pub family: &'a dyn Parametric,
+    /// Where it starts.
+    pub start: Vec<f64>,
+}
+
+impl Parametric for StartedAt<'_> {
+    fn names(&self) -> Vec<String> {
+        self.family.names()
+    }
+
+    fn start(&self) -> Vec<f64> {
+        self.start.clone()
+    }
+
+    fn limits(&self) -> Vec<[f64; 2]> {
+        self.family.limits()
+    }
+
+    fn may_vanish(&self) -> Vec<bool> {
+        self.family.may_vanish()
+    }
+
+    fn system(&self, values: &[f64]) -> Result<WheeledSystem, String> {
+        self.family.system(values)
+    }
 }

@@ -44,11 +44,8 @@ pub fn demo(spec: &DemoSpec) -> Result<IdentifyRun, StudyError> {
     })?;
     let settings = IdentifySpec {
         recording: "demo".into(),
-        vehicle: None,
         method: IdentifyMethod::Physical,
-        band_hz: None,
-        segment_s: None,
-        convention: None,
+        ..IdentifySpec::default()
     };
     let name = "a simulated drive of the paper's car";
     let (mut outcome, files) = identify_recording(&recording, name, Some((VEHICLE, &start)), &settings)?;

@@ -2,8 +2,8 @@
 
 use super::identify_outcome::{ChannelSummary, Flag, IdentifyOutcome, RecordingSummary};
 use super::{
-    IdentifyMethod, IdentifySpec, Input, StudyError, identify_physical, identify_ssi, load_vehicle,
-    spectra_plot,
+    IdentifyMethod, IdentifySpec, Input, StudyError, drives, identify_physical, identify_ssi, identify_tvimm,
+    load_vehicle, spectra_plot,
 };
 use crate::files::FileError;
 use crate::identify::{LineSettings, spectral_lines};
@@ -12,11 +12,10 @@ use crate::signal::{
 };
 use crate::units::{Convention, per_hz_from_two_sided, rad_per_s};
 use crate::vehicle::VehicleSpec;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
-/// Segments are a fortieth of the recording, within these lengths in s: long ones keep the fine structure that delays
-/// give to spectra, forty leave each bin about 80 averages.
-const SEGMENTS: f64 = 40.0;
+/// Segments are a share of the recording (see [`drives::segments`]), within these lengths in s: long ones keep the fine
+/// structure that delays give to spectra.
 const SEGMENT_S: [f64; 2] = [5.0, 20.0];
 /// The band that is looked at by default, Hz: body and wheel modes of road vehicles.
 const BAND_HZ: [f64; 2] = [0.4, 20.0];
@@ -53,31 +52,28 @@ pub(super) struct Task<'a> {
 /// outcome with `converged = false` and flags that say why.
 pub fn identify(spec: &IdentifySpec) -> Result<IdentifyRun, StudyError> {
     spec.check()?;
-    let recording = read_recording(&spec.recording).map_err(|e| match e {
-        SignalError::File(_) | SignalError::Field { .. } | SignalError::Data { .. } => StudyError::Signal(e),
-        other => FileError::content(&spec.recording, None, other.to_string()).into(),
-    })?;
-    let start = match (&spec.vehicle, spec.method) {
-        (Some(name), _) => Some(load_vehicle(name)?),
-        (None, IdentifyMethod::Physical) => {
-            return Err(StudyError::Setting {
-                field: "vehicle",
-                expected:
-                    "a vehicle file or case:NAME to start the physical fit from (--vehicle), or --method ssi"
-                        .into(),
-                found: "none".into(),
-            });
-        }
-        (None, _) => None,
-    };
-    let mut inputs = recording_inputs(&spec.recording)?;
+    let paths: Vec<&Path> =
+        std::iter::once(&spec.recording).chain(&spec.more).map(PathBuf::as_path).collect();
+    let mut recordings = Vec::new();
+    let mut inputs = Vec::new();
+    for path in &paths {
+        let recording = read_recording(path).map_err(|e| match e {
+            SignalError::File(_) | SignalError::Field { .. } | SignalError::Data { .. } => {
+                StudyError::Signal(e)
+            }
+            other => FileError::content(path, None, other.to_string()).into(),
+        })?;
+        let name = path.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
+        recordings.push((name, recording));
+        inputs.extend(recording_inputs(path)?);
+    }
+    let start = spec.vehicle.as_deref().map(load_vehicle).transpose()?;
     inputs.extend(start.iter().flat_map(|s| s.inputs.clone()));
-    let name = spec.recording.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
     let vehicle = start.as_ref().map(|s| (s.name.as_str(), &s.spec));
-    let (outcome, files) = identify_recording(&recording, &name, vehicle, spec).map_err(|e| match e {
-        // what does not fit is about this recording: name it
+    let (outcome, files) = identify_recordings(&recordings, vehicle, spec).map_err(|e| match e {
+        // what does not fit is about these recordings: name the first
         StudyError::Signal(source) => FileError::content(&spec.recording, None, source.to_string()).into(),
-        StudyError::Setting { field, expected, found } => {
+        StudyError::Setting { field, expected, found } if field != "known" => {
             let message = format!("{field}: expected {expected}, found {found}");
             FileError::content(&spec.recording, None, message).into()
         }
@@ -89,8 +85,7 @@ pub fn identify(spec: &IdentifySpec) -> Result<IdentifyRun, StudyError> {
 /// Files by name and content.
 pub type Files = Vec<(String, Vec<u8>)>;
 
-/// Identifies a recording that is at hand, from a vehicle file and its name for messages; of the spec only the settings
-/// count. Returns the outcome, and vehicle.toml and road.toml to go on with.
+/// Identifies one recording that is at hand: see [`identify_recordings`].
 ///
 /// # Errors
 /// As [`identify`].
@@ -100,26 +95,70 @@ pub fn identify_recording(
     vehicle: Option<(&str, &VehicleSpec)>,
     spec: &IdentifySpec,
 ) -> Result<(IdentifyOutcome, Files), StudyError> {
+    identify_recordings(&[(name.to_owned(), recording.clone())], vehicle, spec)
+}
+
+/// Identifies recordings that are at hand with their names for messages, from a vehicle file and its name or without one;
+/// of the spec only the settings count. Returns the outcome, and vehicle.toml and road.toml to go on with.
+///
+/// Several recordings are of one vehicle: `physical` fits its parameters to all of them and a road to each; the other
+/// methods identify each by itself. `runs` has each recording's own modes.
+///
+/// # Errors
+/// As [`identify`].
+pub fn identify_recordings(
+    recordings: &[(String, Recording)],
+    vehicle: Option<(&str, &VehicleSpec)>,
+    spec: &IdentifySpec,
+) -> Result<(IdentifyOutcome, Files), StudyError> {
+    if !spec.known.is_empty() && !matches!(spec.method, IdentifyMethod::Physical | IdentifyMethod::Tvimm) {
+        return Err(StudyError::Setting {
+            field: "known",
+            expected: "method physical or tvimm: the others know no vehicle".into(),
+            found: spec.method.name().into(),
+        });
+    }
+    // detrending takes drift out of displacements and slow sensors
+    let detrended: Vec<Recording> = recordings.iter().map(|(_, r)| r.detrended()).collect();
+    let tasks = recordings
+        .iter()
+        .zip(&detrended)
+        .map(|((name, _), recording)| task(recording, name, spec))
+        .collect::<Result<Vec<_>, _>>()?;
+    let Some(first) = tasks.first() else {
+        return Err(StudyError::Setting {
+            field: "recording",
+            expected: "a recording".into(),
+            found: "none".into(),
+        });
+    };
+    let (mut outcome, files) = match spec.method {
+        IdentifyMethod::Physical => identify_physical::run(&tasks, vehicle, &spec.known)?,
+        IdentifyMethod::Tvimm => identify_tvimm::run(&tasks, vehicle, &spec.known)?,
+        _ => {
+            let mut done = tasks.iter().map(identify_ssi::run).collect::<Result<Vec<_>, _>>()?;
+            let runs =
+                if done.len() > 1 { done.iter().map(identify_tvimm::summary).collect() } else { vec![] };
+            (IdentifyOutcome { runs, ..done.remove(0) }, Vec::new())
+        }
+    };
+    outcome.flags.extend(common_flags(first));
+    Ok((outcome, files))
+}
+
+fn task<'a>(recording: &'a Recording, name: &'a str, spec: &IdentifySpec) -> Result<Task<'a>, StudyError> {
     let band_hz = band(recording, spec)?;
     let segment_s = match spec.segment_s {
         Some(s) => s,
-        None => (recording.duration_s() / SEGMENTS).clamp(SEGMENT_S[0], SEGMENT_S[1]),
+        None => (recording.duration_s() / drives::segments(spec.method)).clamp(SEGMENT_S[0], SEGMENT_S[1]),
     };
-    // detrending takes drift out of displacements and slow sensors
-    let recording = recording.detrended();
-    let task = Task {
-        spectra: welch(&recording, &WelchSettings::hann(Segment::Seconds(segment_s)))?,
-        recording: &recording,
+    Ok(Task {
+        spectra: welch(recording, &WelchSettings::hann(Segment::Seconds(segment_s)))?,
+        recording,
         name,
         band_hz,
         convention: spec.convention.unwrap_or_default(),
-    };
-    let (mut outcome, files) = match (spec.method, vehicle) {
-        (IdentifyMethod::Physical, Some((file, start))) => identify_physical::run(&task, file, start)?,
-        _ => (identify_ssi::run(&task)?, Vec::new()),
-    };
-    outcome.flags.extend(common_flags(&task));
-    Ok((outcome, files))
+    })
 }
 
 /// The band asked for, or the default one cut to the road's and to the sampling rate.

@@ -3,15 +3,19 @@
 //! A command line, a Python module and a web page all fill in a [`Spec`] and show an outcome; none of them computes.
 
 mod demo;
+mod drives;
 mod envelope;
 mod error;
+mod fit_generic;
 mod identify;
 mod identify_outcome;
 mod identify_physical;
 mod identify_ssi;
+mod identify_tvimm;
 mod load;
 mod modes;
 mod named;
+mod parts;
 mod ride;
 mod sensors;
 mod shape_points;
@@ -22,7 +26,7 @@ mod spectra_plot;
 pub use demo::demo;
 pub use envelope::{Envelope, Input, SCHEMA_VERSION, is_result_of, read_result};
 pub use error::StudyError;
-pub use identify::{Files, IdentifyRun, identify, identify_recording};
+pub use identify::{Files, IdentifyRun, identify, identify_recording, identify_recordings};
 pub use identify_outcome::*;
 pub use load::{LoadedRoad, LoadedVehicle, load_road, load_vehicle};
 pub use modes::{ModesOutcome, VehicleMode, VehicleModeKind, modes};

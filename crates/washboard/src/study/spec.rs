@@ -69,14 +69,20 @@ pub struct SimulateSpec {
 }
 
 /// From a recording to modes and the road.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct IdentifySpec {
     /// RUN.toml.
     pub recording: PathBuf,
-    /// What the vehicle is like: a vehicle file or `case:NAME`.
+    /// More recordings of the same vehicle, at other speeds or on other roads.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub more: Vec<PathBuf>,
+    /// What the vehicle is like: a vehicle file or `case:NAME`; without it a generic vehicle on the recording's wheels.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub vehicle: Option<String>,
+    /// Values that are known, by their dotted names in a vehicle file: held, and what sets the scale.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub known: Vec<(String, f64)>,
     /// How.
     #[serde(default)]
     pub method: IdentifyMethod,
@@ -99,7 +105,7 @@ impl IdentifySpec {
     pub fn check(&self) -> Result<(), StudyError> {
         if !self.method.exists() {
             let name = self.method.name().to_owned();
-            let instead = "this version has `physical` and `ssi`";
+            let instead = "this version has `physical`, `tvimm` and `ssi`";
             return Err(StudyError::NotYet { field: "method", name, instead });
         }
         let setting = |field, expected: &str, found| {
@@ -129,7 +135,7 @@ pub enum IdentifyMethod {
     Physical,
     /// Covariance-driven stochastic subspace identification.
     Ssi,
-    /// The track-vehicle interaction modal model: to come.
+    /// The track-vehicle interaction modal model with free modes.
     Tvimm,
     /// The poly-reference least-squares complex frequency estimator: to come.
     Plscf,
@@ -162,7 +168,7 @@ impl IdentifyMethod {
     /// Whether this version has it.
     #[must_use]
     pub fn exists(self) -> bool {
-        matches!(self, IdentifyMethod::Physical | IdentifyMethod::Ssi)
+        matches!(self, IdentifyMethod::Physical | IdentifyMethod::Tvimm | IdentifyMethod::Ssi)
     }
 }
 

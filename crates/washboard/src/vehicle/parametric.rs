@@ -31,6 +31,9 @@ const CG_RANGE: [f64; 2] = [0.1, 0.9];
 const CG_LEFT_REACH: f64 = 0.2;
 /// Other parameters may move by a factor of e⁴ ≈ 55.
 const REACH: f64 = 4.0;
+/// What a vehicle may be without, and how much further such a number may move: a start does not know its size.
+const MAY_VANISH: [&str; 2] = ["tire_damping_n_s_per_m", "anti_roll_stiffness_n_m_per_rad"];
+const VANISHING_REACH: f64 = 9.0;
 
 /// A vehicle under the sensors of a recording, with its numbers as positive parameters.
 ///
@@ -71,6 +74,10 @@ struct Field {
 }
 
 impl Field {
+    fn may_vanish(&self) -> bool {
+        MAY_VANISH.iter().any(|name| self.path.iter().any(|p| p == name))
+    }
+
     fn is_lateral(&self) -> bool {
         self.path[..] == [CG_LEFT.to_owned()]
     }
@@ -333,9 +340,16 @@ impl Parametric for ParametricVehicle {
             .map(|f| match self.wheelbase_m {
                 _ if f.is_lateral() => [(-CG_LEFT_REACH).exp(), CG_LEFT_REACH.exp()],
                 Some(l) if f.path[..] == [CG.to_owned()] => CG_RANGE.map(|share| share * l),
-                _ => [f.start * (-REACH).exp(), f.start * REACH.exp()],
+                _ => {
+                    let reach = if f.may_vanish() { VANISHING_REACH } else { REACH };
+                    [f.start * (-reach).exp(), f.start * reach.exp()]
+                }
             })
             .collect()
+    }
+
+    fn may_vanish(&self) -> Vec<bool> {
+        self.fields.iter().map(Field::may_vanish).collect()
     }
 
     fn system(&self, values: &[f64]) -> Result<WheeledSystem, String> {

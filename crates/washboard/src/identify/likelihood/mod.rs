@@ -10,7 +10,9 @@ pub(crate) use covariance::{Covariance, Group};
 pub(crate) use data::{BandData, LEAST_NOISE};
 pub(crate) use descent::{End, Problem, Stop, descend, newton};
 pub(crate) use road::{Drive, RoadAt, RoadValues};
-pub(crate) use whittle::{Score, block_gradients, cost, residuals, score};
+pub(crate) use whittle::{
+    Score, Whitened, cost, information_bins, inverse_factor, metric_pull, residuals, whiten_all,
+};
 
 use thiserror::Error;
 

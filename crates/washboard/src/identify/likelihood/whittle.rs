@@ -1,9 +1,12 @@
-//! Whittle's likelihood of spectra, its gradient and its Fisher information.
+//! Whittle's likelihood of spectra: its cost, its pull on the spectra, and the whitening that its information needs.
 
 use crate::linalg::{C64, CMat, Mat};
 use rayon::prelude::*;
 
-/// Cost, and what scoring needs of it.
+/// The information is summed over every so manyth bin that about this many are left: it is smooth, and they tell as much.
+const INFORMATION_BINS: usize = 130;
+
+/// Cost, and what a step needs of it.
 #[derive(Debug, Clone)]
 pub(crate) struct Score {
     pub cost: f64,
@@ -13,131 +16,88 @@ pub(crate) struct Score {
     pub fisher: Mat,
 }
 
-/// One bin's share: cost, and the rows of residual and derivatives as real vectors of n² entries.
-struct Share {
-    cost: f64,
-    residual: Vec<f64>,
-    rows: Vec<Vec<f64>>,
+/// A bin's share of the cost, L⁻¹ of S = L Lᴴ, and S⁻¹(S − Ŝ)S⁻¹, by which dS changes the cost: tr(pull dS).
+pub(crate) struct Whitened {
+    pub cost: f64,
+    pub inverse: CMat,
+    pub pull: CMat,
 }
 
-/// n_avg · mean |L⁻¹ŜL⁻ᴴ − I|² of every bin: χ is its mean.
-pub(crate) fn residuals(model: &[CMat], measured: &[CMat], averages: f64) -> Option<Vec<f64>> {
-    model
-        .iter()
-        .zip(measured)
-        .map(|(s, m)| {
-            let n = s.nrows() as f64;
-            share(s, &[], m).map(|x| averages * x.residual.iter().map(|r| r * r).sum::<f64>() / (n * n))
-        })
-        .collect()
+/// Whitens a bin; None where S is not positive definite.
+pub(crate) fn whiten(s: &CMat, measured: &CMat) -> Option<Whitened> {
+    let n = s.nrows();
+    let inverse = inverse_factor(s)?;
+    let log_det: f64 = (0..n).map(|i| -2.0 * inverse[(i, i)].re.ln()).sum();
+    let m = &inverse * measured * inverse.adjoint();
+    let trace: f64 = (0..n).map(|i| m[(i, i)].re).sum();
+    let residual = CMat::from_fn(n, n, |i, j| C64::new(f64::from(u8::from(i == j)), 0.0) - m[(i, j)]);
+    let pull = inverse.adjoint() * residual * &inverse;
+    let cost = log_det + trace;
+    cost.is_finite().then_some(Whitened { cost, inverse, pull })
+}
+
+/// All bins whitened.
+pub(crate) fn whiten_all(model: &[CMat], measured: &[CMat]) -> Option<Vec<Whitened>> {
+    model.par_iter().zip(measured).map(|(s, m)| whiten(s, m)).collect()
 }
 
 /// n_avg Σ_k (ln|S| + tr S⁻¹Ŝ); None where S is not positive definite.
 pub(crate) fn cost(model: &[CMat], measured: &[CMat], averages: f64) -> Option<f64> {
-    let shares: Option<Vec<f64>> =
-        model.par_iter().zip(measured).map(|(s, m)| share(s, &[], m).map(|x| x.cost)).collect();
+    let of_bin = |(s, m): (&CMat, &CMat)| -> Option<f64> {
+        let n = s.nrows();
+        let factor = s.llt(faer::Side::Lower).ok()?;
+        let l = factor.L();
+        let log_det: f64 = (0..n).map(|i| 2.0 * l[(i, i)].re.ln()).sum();
+        // tr S⁻¹Ŝ = tr L⁻¹ŜL⁻ᴴ
+        let mut half = m.clone();
+        l.solve_lower_triangular_in_place(half.as_mut());
+        let mut whole = half.adjoint().to_owned();
+        l.solve_lower_triangular_in_place(whole.as_mut());
+        let cost = log_det + (0..n).map(|i| whole[(i, i)].re).sum::<f64>();
+        cost.is_finite().then_some(cost)
+    };
+    let shares: Option<Vec<f64>> = model.par_iter().zip(measured).map(of_bin).collect();
     Some(averages * shares?.into_iter().sum::<f64>())
 }
 
-/// Cost, gradient and Fisher information over `p` parameters; `slopes(k)` are the ∂S/∂θ at bin k.
-///
-/// With v_a the entries of L⁻¹(∂S/∂θ_a)L⁻ᴴ and r those of L⁻¹ŜL⁻ᴴ − I: gradient −n_avg Σ v_a·r, information
-/// n_avg Σ v_a·v_b. The sums run over bins in order: any number of threads gives the same bits.
-pub(crate) fn score(
-    model: &[CMat],
-    slopes: &(dyn Fn(usize) -> Vec<CMat> + Sync),
-    measured: &[CMat],
-    averages: f64,
-    p: usize,
-) -> Option<Score> {
-    let shares: Option<Vec<Share>> =
-        (0..model.len()).into_par_iter().map(|k| share(&model[k], &slopes(k), &measured[k])).collect();
-    let shares = shares?;
-    let (mut total, mut gradient, mut fisher) = (0.0, vec![0.0; p], Mat::zeros(p, p));
-    for s in &shares {
-        total += s.cost;
-        for a in 0..p {
-            gradient[a] -= dot(&s.rows[a], &s.residual);
-            for b in 0..=a {
-                fisher[(a, b)] += dot(&s.rows[a], &s.rows[b]);
-            }
-        }
-    }
-    for a in 0..p {
-        gradient[a] *= averages;
-        for b in 0..=a {
-            let v = averages * fisher[(a, b)];
-            fisher[(a, b)] = v;
-            fisher[(b, a)] = v;
-        }
-    }
-    Some(Score { cost: averages * total, gradient, fisher })
-}
-
-/// The gradient of each block's own cost (up to a constant that all share): n_avg Σ_k v_a · L⁻¹Ŝ_bL⁻ᴴ, [block][θ].
-///
-/// `blocks[b][k]` are the scaled spectra of a piece of the recording. Their spread over blocks is the gradient's own,
-/// whatever the likelihood believes of it.
-pub(crate) fn block_gradients(
-    model: &[CMat],
-    slopes: &(dyn Fn(usize) -> Vec<CMat> + Sync),
-    blocks: &[Vec<CMat>],
-    averages: f64,
-    p: usize,
-) -> Option<Vec<Vec<f64>>> {
-    let shares: Option<Vec<Share>> = (0..model.len())
-        .into_par_iter()
-        .map(|k| {
-            let mut all = slopes(k);
-            all.extend(blocks.iter().map(|b| b[k].clone()));
-            share(&model[k], &all, &model[k])
-        })
-        .collect();
-    let shares = shares?;
-    let gradient = |b: usize| -> Vec<f64> {
-        (0..p)
-            .map(|a| -averages * shares.iter().map(|s| dot(&s.rows[a], &s.rows[p + b])).sum::<f64>())
-            .collect()
+/// n_avg · mean |L⁻¹ŜL⁻ᴴ − I|² of every bin: χ is its mean.
+pub(crate) fn residuals(model: &[CMat], measured: &[CMat], averages: f64) -> Option<Vec<f64>> {
+    let of_bin = |(s, m): (&CMat, &CMat)| -> Option<f64> {
+        let n = s.nrows();
+        let inverse = inverse_factor(s)?;
+        let r = &inverse * m * inverse.adjoint() - CMat::identity(n, n);
+        Some(averages * r.squared_norm_l2() / (n * n) as f64)
     };
-    Some((0..blocks.len()).map(gradient).collect())
+    model.iter().zip(measured).map(of_bin).collect()
 }
 
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(x, y)| x * y).sum()
+/// n_avg S⁻¹ D S⁻¹ at each bin: the pull of a change D of the measured spectra, with its sign turned.
+pub(crate) fn metric_pull(model: &[CMat], change: &[CMat], averages: f64) -> Option<Vec<CMat>> {
+    model
+        .iter()
+        .zip(change)
+        .map(|(s, d)| {
+            let inverse = inverse_factor(s)?;
+            let si = inverse.adjoint() * &inverse;
+            let g = &si * d * &si;
+            Some(CMat::from_fn(g.nrows(), g.ncols(), |i, j| g[(i, j)] * averages))
+        })
+        .collect()
 }
 
-fn share(s: &CMat, slopes: &[CMat], measured: &CMat) -> Option<Share> {
+/// The bins over which the information is summed, and the weight of each.
+pub(crate) fn information_bins(count: usize) -> (Vec<usize>, f64) {
+    let stride = (count / INFORMATION_BINS).max(1);
+    let bins: Vec<usize> = (0..count).skip(stride / 2).step_by(stride).collect();
+    let weight = count as f64 / bins.len() as f64;
+    (bins, weight)
+}
+
+/// L⁻¹ of S = L Lᴴ.
+pub(crate) fn inverse_factor(s: &CMat) -> Option<CMat> {
     let n = s.nrows();
     let factor = s.llt(faer::Side::Lower).ok()?;
-    let l = factor.L();
-    let width = slopes.len() + 1;
-    let pick = |block: usize| if block == 0 { measured } else { &slopes[block - 1] };
-    // L⁻¹ A for all A side by side, then L⁻¹ of the conjugate transposes: L⁻¹AL⁻ᴴ of Hermitian A
-    let mut stack = CMat::from_fn(n, n * width, |i, j| pick(j / n)[(i, j % n)]);
-    l.solve_lower_triangular_in_place(stack.as_mut());
-    let mut turned = CMat::from_fn(n, n * width, |i, j| stack[(j % n, j - j % n + i)].conj());
-    l.solve_lower_triangular_in_place(turned.as_mut());
-    let entries = |block: usize| -> Vec<f64> {
-        let mut v = Vec::with_capacity(n * n);
-        for i in 0..n {
-            v.push(turned[(i, block * n + i)].re);
-            for j in 0..i {
-                let z: C64 = turned[(i, block * n + j)] * std::f64::consts::SQRT_2;
-                v.push(z.re);
-                v.push(z.im);
-            }
-        }
-        v
-    };
-    let whitened = entries(0);
-    let mut residual = whitened;
-    let (mut at, mut trace, mut log_det) = (0, 0.0, 0.0);
-    for i in 0..n {
-        trace += residual[at];
-        residual[at] -= 1.0;
-        log_det += 2.0 * l[(i, i)].re.ln();
-        at += 1 + 2 * i;
-    }
-    let cost = log_det + trace;
-    cost.is_finite().then(|| Share { cost, residual, rows: (1..width).map(entries).collect() })
+    let mut inverse = CMat::identity(n, n);
+    factor.L().solve_lower_triangular_in_place(inverse.as_mut());
+    Some(inverse)
 }

@@ -58,10 +58,10 @@ pub(super) fn suspicion<'a>(
 /// The fit with clock offsets, where it converges, explains the data and finds a clock that is off.
 pub(super) fn refit<'a>(suspicion: Suspicion<'a>, annealing: &[f64]) -> Option<Refit<'a>> {
     let Suspicion { joint, start } = suspicion;
-    let found = joint.search(&start, annealing).ok()?;
+    let found = joint.search(&start, annealing, false).ok()?;
     let explained = joint.models.iter().enumerate().all(|(r, model)| {
         let residual = model
-            .evaluate(&joint.local(&found.theta, r), false)
+            .evaluate(&joint.local(&found.theta, r))
             .ok()
             .and_then(|e| residuals(&e.s, &model.data.measured, model.data.averages));
         residual.is_some_and(|x| mean(&x) <= CHI_LIMIT)

@@ -1,9 +1,12 @@
 //! Several recordings of one vehicle as one problem: the vehicle is shared, each road, delay and noise is its own.
 
 use super::layout::Kind;
-use super::model::{Evaluation, Model};
-use crate::identify::likelihood::{End, LEAST_NOISE, Problem, Score, Stop, cost, descend, score};
+use super::model::Model;
+use crate::identify::likelihood::{
+    End, LEAST_NOISE, Problem, Score, Stop, cost, descend, information_bins, whiten_all,
+};
 use crate::linalg::{C64, CMat, Mat};
+use rayon::prelude::*;
 
 /// While noise is raised, e stays within this of 2 and ln μ within that of its start.
 const HELD_EXPONENT: f64 = 0.2;
@@ -99,9 +102,7 @@ impl<'a> Joint<'a> {
         let (mut total, mut gradient, mut fisher) = (0.0, vec![0.0; p], Mat::zeros(p, p));
         for (r, model) in self.models.iter().enumerate() {
             let local = self.local(theta, r);
-            let e: Evaluation = model.evaluate(&local, true).ok()?;
-            let slopes = |bin: usize| model.slopes(&e, &local, bin);
-            let part = score(&e.s, &slopes, &measured[r], model.data.averages, local.len())?;
+            let part = part(model, &local, &measured[r])?;
             total += part.cost;
             for a in 0..local.len() {
                 gradient[self.place(r, a)] += part.gradient[a];
@@ -114,8 +115,8 @@ impl<'a> Joint<'a> {
     }
 
     /// Minimises from a start while the sensors' noise is raised by `annealing`'s factors, one after another (the last
-    /// is 1): a loud floor has a wide basin.
-    pub fn search(&self, start: &[f64], annealing: &[f64]) -> Result<Search, String> {
+    /// is 1): a loud floor has a wide basin. `early` ends as roughly at the real noise too.
+    pub fn search(&self, start: &[f64], annealing: &[f64], early: bool) -> Result<Search, String> {
         let mut theta = start.to_vec();
         let (mut evaluations, mut steps, mut last) = (0, 0, None);
         for (stage, kappa) in annealing.iter().enumerate() {
@@ -135,7 +136,7 @@ impl<'a> Joint<'a> {
                 }
             }
             theta.iter_mut().zip(&problem.limits).for_each(|(t, l)| *t = t.clamp(l[0], l[1]));
-            let stop = if rough {
+            let stop = if rough || early {
                 Stop { max_steps: MAX_STEPS[0], gain: ROUGH_GAIN, decrement: ROUGH_DECREMENT }
             } else {
                 Stop { max_steps: MAX_STEPS[1], gain: GAIN, decrement: DECREMENT }
@@ -182,6 +183,38 @@ impl<'a> Joint<'a> {
     }
 }
 
+/// One recording's cost, gradient and information.
+///
+/// The gradient is exact; the information takes each bin's derivatives as at its middle, where the window moves them by a
+/// few per cent at most.
+fn part(model: &Model<'_>, theta: &[f64], measured: &[CMat]) -> Option<Score> {
+    let evaluation = model.evaluate(theta).ok()?;
+    let whitened = whiten_all(&evaluation.s, measured)?;
+    let (averages, p) = (model.data.averages, theta.len());
+    let pulls: Vec<CMat> = whitened
+        .iter()
+        .map(|w| CMat::from_fn(w.pull.nrows(), w.pull.ncols(), |i, j| w.pull[(i, j)] * averages))
+        .collect();
+    let slopes = model.slopes(theta).ok()?;
+    let gradient = model.pull(&evaluation, &slopes, theta, &pulls);
+    let (bins, weight) = information_bins(whitened.len());
+    let from = model.data.grid()[0];
+    let shares: Vec<Mat> = bins
+        .into_par_iter()
+        .filter_map(|bin| {
+            let g = evaluation.grid[2 * (model.data.first + bin) - from].as_ref()?;
+            let v = model.whitened_slopes(g, &slopes, theta, &whitened[bin].inverse);
+            Some(v.transpose() * &v)
+        })
+        .collect();
+    let mut fisher = Mat::zeros(p, p);
+    shares.iter().for_each(|s| fisher += s);
+    let weight = weight * averages;
+    let fisher = Mat::from_fn(p, p, |i, j| weight * fisher[(i.max(j), i.min(j))]);
+    let cost = averages * whitened.iter().map(|w| w.cost).sum::<f64>();
+    cost.is_finite().then_some(Score { cost, gradient, fisher })
+}
+
 /// Measured spectra with `share` of each channel's starting noise floor added.
 fn raised(model: &Model<'_>, share: f64) -> Vec<CMat> {
     let added = |m: &CMat| {
@@ -203,7 +236,7 @@ impl Problem for Stage<'_, '_> {
     fn cost(&self, at: &Vec<f64>) -> Option<f64> {
         let mut total = 0.0;
         for (r, model) in self.joint.models.iter().enumerate() {
-            let e = model.evaluate(&self.joint.local(at, r), false).ok()?;
+            let e = model.evaluate(&self.joint.local(at, r)).ok()?;
             total += cost(&e.s, &self.measured[r], model.data.averages)?;
         }
         Some(total)

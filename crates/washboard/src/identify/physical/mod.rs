@@ -52,6 +52,8 @@ pub struct PhysicalSettings {
     pub annealing: Vec<f64>,
     /// Where e and μ of each recording start, where they are known better than 2 and what hub pairs show.
     pub roads: Option<Vec<RoadStart>>,
+    /// Whether the search may end early: to compare starts.
+    pub rough: bool,
     /// Whether sensors' clocks are looked at, and fitted where they are off.
     pub clocks: bool,
 }
@@ -60,7 +62,13 @@ impl PhysicalSettings {
     /// From a start that may be far off, with clocks looked at.
     #[must_use]
     pub fn new(convention: Convention) -> Self {
-        PhysicalSettings { convention, annealing: ANNEALING_FAR.to_vec(), roads: None, clocks: true }
+        PhysicalSettings {
+            convention,
+            annealing: ANNEALING_FAR.to_vec(),
+            roads: None,
+            rough: false,
+            clocks: true,
+        }
     }
 }
 
@@ -92,7 +100,7 @@ pub fn fit_physical(
 ) -> Result<PhysicalOutcome, FitError> {
     let joint = joint(drives, settings, false)?;
     let start = start::theta(&joint, drives, settings.roads.as_deref())?;
-    let found = joint.search(&start, &settings.annealing).map_err(FitError::Start)?;
+    let found = joint.search(&start, &settings.annealing, settings.rough).map_err(FitError::Start)?;
     if settings.clocks
         && let Some(off) = clocks::suspicion(&joint, &found.theta, || self::joint(drives, settings, true))
         && let Some(better) = clocks::refit(off, &settings.annealing)

@@ -1,4 +1,4 @@
-//! The model's spectra and their derivatives, seen through the window.
+//! A vehicle under sensors on a road: its spectra, and how a pull on the spectra acts on its parameters.
 
 use super::layout::Layout;
 use crate::identify::likelihood::{BandData, Drive, RoadAt};
@@ -9,15 +9,31 @@ use rayon::prelude::*;
 /// Relative step of the differences that give the derivatives of M, C, K: they are polynomials of low degree.
 const PARAMETER_STEP: f64 = 1e-5;
 
-/// Spectra at the bins of the band, and their derivatives by θ.
-pub(super) struct Evaluation {
-    /// n × n at each bin.
-    pub s: Vec<CMat>,
-    /// [bin][parameter]; the noise floors' derivatives are known without.
-    pub ds: Vec<Vec<CMat>>,
+/// The model at one half bin.
+pub(super) struct GridPoint {
+    omega: f64,
+    /// G B (dofs × wheels).
+    x: CMat,
+    /// Weighted R G (channels × dofs).
+    y: CMat,
+    /// H (channels × wheels).
+    h: CMat,
+    /// S_r Hᵀ (wheels × channels).
+    p: CMat,
+    /// The channels' weights (iω)^d e^{−iωδ}/scale.
+    weight: Vec<C64>,
+    road: RoadAt,
 }
 
-/// A vehicle under sensors on a road at a speed.
+/// The model everywhere.
+pub(super) struct Evaluation {
+    /// None at ω = 0.
+    pub grid: Vec<Option<GridPoint>>,
+    /// Spectra at the bins of the band, window and noise included.
+    pub s: Vec<CMat>,
+}
+
+/// One recording of a vehicle at a speed.
 pub(super) struct Model<'a> {
     pub vehicle: &'a dyn Parametric,
     /// Time derivatives of displacement that each channel measures.
@@ -31,13 +47,8 @@ pub(super) struct Model<'a> {
     pub averages: f64,
 }
 
-/// The vehicle at θ, and its derivatives by each ln p.
-struct Linearised {
-    base: WheeledSystem,
-    slopes: Vec<Slope>,
-}
-
-struct Slope {
+/// Derivatives of the vehicle's matrices by the logarithm of a parameter.
+pub(super) struct Slope {
     m: Mat,
     c: Mat,
     k: Mat,
@@ -53,92 +64,48 @@ impl Model<'_> {
         self.vehicle.system(&values)
     }
 
-    /// Spectra and, where asked, derivatives.
-    pub fn evaluate(&self, theta: &[f64], derivatives: bool) -> Result<Evaluation, String> {
-        let linear = self.linearise(theta, derivatives)?;
-        let n = self.layout.channels;
-        let width = if derivatives { self.layout.noise } else { 0 };
-        let [from, last] = self.data.grid();
-        let grid: Vec<Vec<C64>> = (from..=last)
-            .into_par_iter()
-            .map(|index| self.at(&linear, theta, self.data.half_omega(index), width))
-            .collect::<Result<_, String>>()?;
-        let blocks = self.data.convolve(&grid);
-        let noise = &theta[self.layout.noise..];
-        let matrix = |block: &[C64]| CMat::from_fn(n, n, |i, j| block[i * n + j]);
-        let mut s = Vec::with_capacity(blocks.len());
-        let mut ds = Vec::with_capacity(if derivatives { blocks.len() } else { 0 });
-        for block in &blocks {
-            let mut m = matrix(&block[..n * n]);
-            for i in 0..n {
-                m[(i, i)] += noise[i].exp();
-            }
-            s.push(m);
-            if derivatives {
-                ds.push(block.chunks_exact(n * n).skip(1).map(matrix).collect());
-            }
-        }
-        Ok(Evaluation { s, ds })
-    }
-
-    /// ∂S/∂θ at a bin, noise floors included.
-    pub fn slopes(&self, evaluation: &Evaluation, theta: &[f64], bin: usize) -> Vec<CMat> {
-        let n = self.layout.channels;
-        let mut all = evaluation.ds[bin].clone();
-        all.extend((0..n).map(|c| {
-            let floor = theta[self.layout.noise + c].exp();
-            CMat::from_fn(n, n, |i, j| C64::new(if i == c && j == c { floor } else { 0.0 }, 0.0))
-        }));
-        all
-    }
-
-    fn linearise(&self, theta: &[f64], derivatives: bool) -> Result<Linearised, String> {
+    /// Spectra at the bins, and the parts that their derivatives are made of.
+    pub fn evaluate(&self, theta: &[f64]) -> Result<Evaluation, String> {
         let base = self.system(theta)?;
-        let mut slopes = Vec::new();
-        if derivatives {
-            for p in 0..self.layout.vehicle {
-                let mut moved = theta.to_vec();
-                moved[p] = theta[p] + PARAMETER_STEP;
-                let up = self.system(&moved)?;
-                moved[p] = theta[p] - PARAMETER_STEP;
-                let down = self.system(&moved)?;
-                let slope = |f: &dyn Fn(&WheeledSystem) -> &Mat| {
-                    let (a, b) = (f(&up), f(&down));
-                    Mat::from_fn(a.nrows(), a.ncols(), |i, j| {
-                        (a[(i, j)] - b[(i, j)]) / (2.0 * PARAMETER_STEP)
-                    })
-                };
-                slopes.push(Slope {
-                    m: slope(&|w| w.system().m()),
-                    c: slope(&|w| w.system().c()),
-                    k: slope(&|w| w.system().k()),
-                    kw: slope(&WheeledSystem::wheel_stiffness),
-                    cw: slope(&WheeledSystem::wheel_damping),
-                    rows: slope(&WheeledSystem::rows),
-                });
-            }
-        }
-        Ok(Linearised { base, slopes })
+        let [from, last] = self.data.grid();
+        let grid: Vec<Option<GridPoint>> = (from..=last)
+            .into_par_iter()
+            .map(|index| match index {
+                0 => Ok(None),
+                _ => self.at(&base, theta, self.data.half_omega(index)).map(Some),
+            })
+            .collect::<Result<_, String>>()?;
+        let n = self.layout.channels;
+        let flat: Vec<Vec<C64>> = grid
+            .par_iter()
+            .map(|g| match g {
+                None => vec![C64::new(0.0, 0.0); n * n],
+                Some(g) => {
+                    let s = g.h.conjugate() * &g.p;
+                    (0..n * n).map(|k| s[(k / n, k % n)]).collect()
+                }
+            })
+            .collect();
+        let noise = &theta[self.layout.noise..];
+        let s = self.data.convolve(&flat).into_iter().map(|block| {
+            CMat::from_fn(n, n, |i, j| {
+                block[i * n + j] + C64::new(if i == j { noise[i].exp() } else { 0.0 }, 0.0)
+            })
+        });
+        Ok(Evaluation { s: s.collect(), grid })
     }
 
-    /// S and its derivatives at one ω ≥ 0 before window and noise: blocks of n × n, rows first.
-    ///
-    /// S = H* S_r Hᵀ, H = D R G B with G = (K + iωC − ω²M)⁻¹, B = K_w + iωC_w;
-    /// dH = D (dR G B − R G dZ G B + R G dB), dS = dH* S_r Hᵀ + its conjugate transpose.
-    fn at(&self, linear: &Linearised, theta: &[f64], omega: f64, width: usize) -> Result<Vec<C64>, String> {
-        let (n, base) = (self.layout.channels, &linear.base);
-        let mut out = vec![C64::new(0.0, 0.0); (1 + width) * n * n];
-        if omega == 0.0 {
-            return Ok(out);
-        }
+    fn at(&self, base: &WheeledSystem, theta: &[f64], omega: f64) -> Result<GridPoint, String> {
+        let n = self.layout.channels;
         let (dofs, wheels) = (base.system().order(), base.at_m().len());
-        let complex = |a: &Mat| CMat::from_fn(a.nrows(), a.ncols(), |i, j| C64::new(a[(i, j)], 0.0));
-        let under =
-            |k: &Mat, c: &Mat| CMat::from_fn(dofs, wheels, |i, j| C64::new(k[(i, j)], omega * c[(i, j)]));
-        let b = under(base.wheel_stiffness(), base.wheel_damping());
+        let b = CMat::from_fn(dofs, wheels, |i, j| {
+            C64::new(base.wheel_stiffness()[(i, j)], omega * base.wheel_damping()[(i, j)])
+        });
         let z = base.system().dynamic_stiffness(omega);
-        let rows = complex(base.rows());
         let x = solve_complex(&z, &b).map_err(|e| e.to_string())?;
+        let rows = base.rows();
+        let turned = CMat::from_fn(dofs, n, |i, j| C64::new(rows[(j, i)], 0.0));
+        let y = solve_complex(&z.transpose().to_owned(), &turned).map_err(|e| e.to_string())?;
         let late = |i: usize| self.layout.clocks.map_or(0.0, |first| theta[first + i]);
         let weight: Vec<C64> = (0..n)
             .map(|i| {
@@ -146,53 +113,228 @@ impl Model<'_> {
                     * C64::new(0.0, -omega * late(i)).exp()
             })
             .collect();
-        let weigh = |a: CMat| CMat::from_fn(n, a.ncols(), |i, j| weight[i] * a[(i, j)]);
-        let h = weigh(&rows * &x);
+        let y = CMat::from_fn(n, dofs, |i, j| weight[i] * y[(j, i)]);
+        let h = &y * &b;
         let road = RoadAt::new(self.drive, &self.layout.road(theta), base.at_m(), omega);
         let p = &road.s * h.transpose();
-        let s = h.conjugate() * &p;
-        write(&mut out, 0, &s);
-        if width == 0 {
-            return Ok(out);
+        Ok(GridPoint { omega, x, y, h, p, weight, road })
+    }
+
+    /// Derivatives of M, C, K, K_w, C_w and the sensors' rows by each of the vehicle's parameters.
+    pub fn slopes(&self, theta: &[f64]) -> Result<Vec<Slope>, String> {
+        let of = |p: usize| -> Result<Slope, String> {
+            let mut moved = theta.to_vec();
+            moved[p] = theta[p] + PARAMETER_STEP;
+            let up = self.system(&moved)?;
+            moved[p] = theta[p] - PARAMETER_STEP;
+            let down = self.system(&moved)?;
+            let slope = |f: &dyn Fn(&WheeledSystem) -> &Mat| {
+                let (a, b) = (f(&up), f(&down));
+                Mat::from_fn(a.nrows(), a.ncols(), |i, j| (a[(i, j)] - b[(i, j)]) / (2.0 * PARAMETER_STEP))
+            };
+            Ok(Slope {
+                m: slope(&|w| w.system().m()),
+                c: slope(&|w| w.system().c()),
+                k: slope(&|w| w.system().k()),
+                kw: slope(&WheeledSystem::wheel_stiffness),
+                cw: slope(&WheeledSystem::wheel_damping),
+                rows: slope(&WheeledSystem::rows),
+            })
+        };
+        (0..self.layout.vehicle).into_par_iter().map(of).collect()
+    }
+
+    /// The gradient of Σ_k tr(G_k S_k) by θ.
+    ///
+    /// On the grid, with Q = (P G)*: 2 Re tr(dH Q), dH = D(dR X) + Y(dB − dZ X), B = K_w + iωC_w, Z = K + iωC − ω²M. The
+    /// parameters' real matrices meet sums over the grid once.
+    pub fn pull(&self, evaluation: &Evaluation, slopes: &[Slope], theta: &[f64], bins: &[CMat]) -> Vec<f64> {
+        let spread = self.data.spread(bins);
+        let n = self.layout.channels;
+        let parts: Vec<Part> = evaluation
+            .grid
+            .par_iter()
+            .zip(&spread)
+            .filter_map(|(g, pull)| g.as_ref().map(|g| self.part(g, pull)))
+            .collect();
+        let mut sum = Part::zeros(&parts[0]);
+        parts.iter().for_each(|p| sum.add(p));
+        let mut out = vec![0.0; self.layout.len()];
+        for (slope, g) in slopes.iter().zip(&mut out) {
+            *g = 2.0
+                * (inner(&slope.rows, &sum.rows) + inner(&slope.kw, &sum.kw) + inner(&slope.cw, &sum.cw)
+                    - inner(&slope.k, &sum.k)
+                    - inner(&slope.c, &sum.c)
+                    - inner(&slope.m, &sum.m));
         }
-        let y = solve_complex(&z.transpose().to_owned(), &rows.transpose().to_owned())
-            .map_err(|e| e.to_string())?;
-        for (index, slope) in linear.slopes.iter().enumerate() {
-            let dz = CMat::from_fn(dofs, dofs, |i, j| {
-                C64::new(slope.k[(i, j)] - omega * omega * slope.m[(i, j)], omega * slope.c[(i, j)])
-            });
-            let inner = under(&slope.kw, &slope.cw) - &dz * &x;
-            let dh = weigh(complex(&slope.rows) * &x + y.transpose() * inner);
-            let a = dh.conjugate() * &p;
-            write(&mut out, 1 + index, &CMat::from_fn(n, n, |i, j| a[(i, j)] + a[(j, i)].conj()));
+        out[self.layout.s0()] = sum.road[0];
+        out[self.layout.exponent()] = sum.road[1];
+        if let Some(i) = self.layout.mu {
+            out[i] = sum.road[2];
         }
-        let through = |sr: &CMat| h.conjugate() * (sr * h.transpose());
-        write(&mut out, 1 + self.layout.s0(), &s);
-        write(&mut out, 1 + self.layout.exponent(), &CMat::from_fn(n, n, |i, j| s[(i, j)] * -road.ln_nu));
-        if let Some(mu) = self.layout.mu {
-            write(&mut out, 1 + mu, &through(&road.by_mu));
+        if let Some(i) = self.layout.delay {
+            out[i] = sum.road[3];
         }
-        if let Some(delay) = self.layout.delay {
-            write(&mut out, 1 + delay, &through(&road.by_delay));
-        }
-        if let Some(clocks) = self.layout.clocks {
-            for c in 0..n {
-                // S_ij turns with e^{iω(δᵢ − δⱼ)}
-                let turn = |i: usize, j: usize| {
-                    C64::new(0.0, omega * (f64::from(u8::from(i == c)) - f64::from(u8::from(j == c))))
-                };
-                write(&mut out, 1 + clocks + c, &CMat::from_fn(n, n, |i, j| s[(i, j)] * turn(i, j)));
+        for c in 0..n {
+            if let Some(first) = self.layout.clocks {
+                out[first + c] = sum.clocks[c];
             }
+            out[self.layout.noise + c] =
+                bins.iter().map(|g| g[(c, c)].re).sum::<f64>() * theta[self.layout.noise + c].exp();
         }
-        Ok(out)
+        out
+    }
+
+    fn part(&self, g: &GridPoint, pull: &CMat) -> Part {
+        let (n, wheels, dofs) = (g.h.nrows(), g.h.ncols(), g.x.nrows());
+        let pg = &g.p * pull;
+        let q = pg.conjugate();
+        let xq = &g.x * q; // dofs × channels
+        let qy = q * &g.y; // wheels × dofs
+        let xqy = &g.x * &qy; // dofs × dofs
+        let w = g.omega;
+        let through = g.h.transpose() * pull * g.h.conjugate();
+        let trace = |d: &CMat| -> f64 {
+            let mut sum = 0.0;
+            for i in 0..wheels {
+                for j in 0..wheels {
+                    let z: C64 = through[(i, j)] * d[(j, i)];
+                    sum += z.re;
+                }
+            }
+            sum
+        };
+        let level = trace(&g.road.s);
+        let turn = if self.layout.clocks.is_some() {
+            // S_ij turns with e^{iω(δᵢ − δⱼ)}: 2 Re(iω (S G)_cc)
+            let sg = g.h.conjugate() * pg;
+            (0..n).map(|c| -2.0 * w * sg[(c, c)].im).collect()
+        } else {
+            Vec::new()
+        };
+        Part {
+            rows: Mat::from_fn(n, dofs, |i, j| (xq[(j, i)] * g.weight[i]).re),
+            kw: Mat::from_fn(dofs, wheels, |i, j| qy[(j, i)].re),
+            cw: Mat::from_fn(dofs, wheels, |i, j| -w * qy[(j, i)].im),
+            k: Mat::from_fn(dofs, dofs, |i, j| xqy[(j, i)].re),
+            c: Mat::from_fn(dofs, dofs, |i, j| -w * xqy[(j, i)].im),
+            m: Mat::from_fn(dofs, dofs, |i, j| -w * w * xqy[(j, i)].re),
+            road: [level, -g.road.ln_nu * level, trace(&g.road.by_mu), trace(&g.road.by_delay)],
+            clocks: turn,
+        }
+    }
+
+    /// L⁻¹(∂S/∂θ)L⁻ᴴ at the middle of a bin, as real vectors of n² entries, one column a parameter.
+    pub fn whitened_slopes(&self, g: &GridPoint, slopes: &[Slope], theta: &[f64], inverse: &CMat) -> Mat {
+        let (n, layout) = (self.layout.channels, &self.layout);
+        let mut out = Mat::zeros(n * n, layout.len());
+        let mut put = |column: usize, v: &CMat| {
+            let mut at = 0;
+            for i in 0..n {
+                out[(at, column)] = v[(i, i)].re;
+                at += 1;
+                for j in 0..i {
+                    let z: C64 = v[(i, j)] * std::f64::consts::SQRT_2;
+                    (out[(at, column)], out[(at + 1, column)]) = (z.re, z.im);
+                    at += 2;
+                }
+            }
+        };
+        // L⁻¹ conj(dH) · P L⁻ᴴ + its conjugate transpose
+        let right = &g.p * inverse.adjoint();
+        let w = g.omega;
+        let complex = |a: &Mat| CMat::from_fn(a.nrows(), a.ncols(), |i, j| C64::new(a[(i, j)], 0.0));
+        let left = inverse * g.y.conjugate();
+        let x = g.x.conjugate();
+        for (column, slope) in slopes.iter().enumerate() {
+            let dz = CMat::from_fn(g.x.nrows(), g.x.nrows(), |i, j| {
+                C64::new(slope.k[(i, j)] - w * w * slope.m[(i, j)], -w * slope.c[(i, j)])
+            });
+            let db = CMat::from_fn(g.x.nrows(), g.x.ncols(), |i, j| {
+                C64::new(slope.kw[(i, j)], -w * slope.cw[(i, j)])
+            });
+            let mut dh = &left * (db - dz * x);
+            if slope.rows.norm_max() > 0.0 {
+                let seen = complex(&slope.rows) * x;
+                dh += inverse * CMat::from_fn(n, x.ncols(), |i, j| g.weight[i].conj() * seen[(i, j)]);
+            }
+            let half = dh * &right;
+            put(column, &CMat::from_fn(n, n, |i, j| half[(i, j)] + half[(j, i)].conj()));
+        }
+        let h = inverse * g.h.conjugate();
+        let through = |sr: &CMat| &h * sr * h.adjoint();
+        let level = through(&g.road.s);
+        put(layout.s0(), &level);
+        put(layout.exponent(), &CMat::from_fn(n, n, |i, j| level[(i, j)] * -g.road.ln_nu));
+        if let Some(i) = layout.mu {
+            put(i, &through(&g.road.by_mu));
+        }
+        if let Some(i) = layout.delay {
+            put(i, &through(&g.road.by_delay));
+        }
+        for c in 0..n {
+            if let Some(first) = layout.clocks {
+                let s = g.h.conjugate() * &g.p;
+                let turned = CMat::from_fn(n, n, |i, j| {
+                    s[(i, j)] * C64::new(0.0, w * (f64::from(u8::from(i == c)) - f64::from(u8::from(j == c))))
+                });
+                put(first + c, &(inverse * turned * inverse.adjoint()));
+            }
+            let floor = theta[layout.noise + c].exp();
+            put(
+                layout.noise + c,
+                &CMat::from_fn(n, n, |i, j| inverse[(i, c)] * inverse[(j, c)].conj() * floor),
+            );
+        }
+        out
     }
 }
 
-fn write(out: &mut [C64], block: usize, a: &CMat) {
-    let n = a.nrows();
-    for i in 0..n {
-        for j in 0..n {
-            out[block * n * n + i * n + j] = a[(i, j)];
+/// What the parameters' matrices are contracted with.
+struct Part {
+    rows: Mat,
+    kw: Mat,
+    cw: Mat,
+    k: Mat,
+    c: Mat,
+    m: Mat,
+    road: [f64; 4],
+    clocks: Vec<f64>,
+}
+
+impl Part {
+    fn zeros(like: &Part) -> Self {
+        let zero = |m: &Mat| Mat::zeros(m.nrows(), m.ncols());
+        Part {
+            rows: zero(&like.rows),
+            kw: zero(&like.kw),
+            cw: zero(&like.cw),
+            k: zero(&like.k),
+            c: zero(&like.c),
+            m: zero(&like.m),
+            road: [0.0; 4],
+            clocks: vec![0.0; like.clocks.len()],
         }
     }
+
+    fn add(&mut self, other: &Part) {
+        self.rows += &other.rows;
+        self.kw += &other.kw;
+        self.cw += &other.cw;
+        self.k += &other.k;
+        self.c += &other.c;
+        self.m += &other.m;
+        self.road.iter_mut().zip(&other.road).for_each(|(a, b)| *a += b);
+        self.clocks.iter_mut().zip(&other.clocks).for_each(|(a, b)| *a += b);
+    }
+}
+
+fn inner(a: &Mat, b: &Mat) -> f64 {
+    let mut sum = 0.0;
+    for j in 0..a.ncols() {
+        for i in 0..a.nrows() {
+            sum += a[(i, j)] * b[(i, j)];
+        }
+    }
+    sum
 }

@@ -4,10 +4,11 @@ use super::joint::{Joint, Search};
 use super::layout::Kind;
 use super::{Model, PhysicalDrive, Reason, uncertainty};
 use crate::identify::likelihood::{
-    Covariance, Estimate, Group, LEAST_NOISE, block_gradients, mean, misfit, residuals,
+    Covariance, Estimate, Group, LEAST_NOISE, mean, metric_pull, misfit, residuals,
 };
 use crate::linalg::CMat;
 use crate::lti::Mode;
+use crate::signal::CrossSpectra;
 use crate::units::hz;
 
 /// A mode whose frequency is not known to this share of itself is not identified.
@@ -103,13 +104,17 @@ pub(super) fn outcome(
     let mut evaluations = Vec::new();
     for (r, (model, drive)) in joint.models.iter().zip(drives).enumerate() {
         let local = joint.local(theta, r);
-        let evaluation = model.evaluate(&local, true)?;
+        let evaluation = model.evaluate(&local)?;
         if let Some(first) = drive.blocks.first() {
-            let scaled: Vec<Vec<CMat>> = drive.blocks.iter().map(|b| model.data.scaled(b)).collect();
-            let slopes = |bin: usize| model.slopes(&evaluation, &local, bin);
-            let gradients =
-                block_gradients(&evaluation.s, &slopes, &scaled, model.data.averages, local.len())
-                    .ok_or(INDEFINITE)?;
+            let slopes = model.slopes(&local)?;
+            let gradient = |block: &CrossSpectra| -> Option<Vec<f64>> {
+                let negative = |m: &CMat| CMat::from_fn(m.nrows(), m.ncols(), |i, j| -m[(i, j)]);
+                let change: Vec<CMat> = model.data.scaled(block).iter().map(negative).collect();
+                let pulls = metric_pull(&evaluation.s, &change, model.data.averages)?;
+                Some(model.pull(&evaluation, &slopes, &local, &pulls))
+            };
+            let gradients: Vec<Vec<f64>> =
+                drive.blocks.iter().map(gradient).collect::<Option<_>>().ok_or(INDEFINITE)?;
             let placed = |g: Vec<f64>| {
                 let mut all = vec![0.0; joint.len()];
                 g.into_iter().enumerate().for_each(|(i, v)| all[joint.place(r, i)] = v);
@@ -227,9 +232,19 @@ fn speak(
         );
         problems.push(("not-converged", text));
     }
+    let (may_vanish, limits) = (joint.models[0].vehicle.may_vanish(), joint.models[0].vehicle.limits());
+    let (mut absent, mut pressed) = (Vec::new(), Vec::new());
     for i in &found.at_limit {
-        let value = if joint.kind(*i).1 == Kind::Exponent { theta[*i] } else { theta[*i].exp() };
-        problems.push(("at-limit", format!("{} ran to the limit of its range, {value:.4}", words(*i))));
+        let low = limits.get(*i).is_some_and(|l| theta[*i] <= l[0].ln());
+        let gone = low && may_vanish.get(*i).copied().unwrap_or(false);
+        if gone { absent.push(words(*i)) } else { pressed.push(*i) }
+    }
+    if !absent.is_empty() {
+        remarks.push(("absent-parts", format!("as good as absent: {}", absent.join(", "))));
+    }
+    for i in pressed {
+        let value = if joint.kind(i).1 == Kind::Exponent { theta[i] } else { theta[i].exp() };
+        problems.push(("at-limit", format!("{} ran to the limit of its range, {value:.4}", words(i))));
     }
     for (r, drive) in drives.iter().enumerate() {
         if let Some((name, text)) = misfit(&drive.residual, &joint.models[r].data.omega) {

@@ -44,7 +44,7 @@ pub(super) fn theta(
 fn level(model: &Model<'_>, theta: &[f64]) -> Result<f64, String> {
     let mut quiet = theta.to_vec();
     quiet[model.layout.noise..].iter_mut().for_each(|t| *t = f64::MIN_POSITIVE.ln());
-    let e = model.evaluate(&quiet, false)?;
+    let e = model.evaluate(&quiet)?;
     let mut ratios: Vec<f64> = Vec::new();
     for (s, m) in e.s.iter().zip(&model.data.measured) {
         ratios.extend((0..s.nrows()).map(|i| (m[(i, i)].re / s[(i, i)].re).ln()));

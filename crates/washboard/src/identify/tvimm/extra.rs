@@ -1,8 +1,8 @@
 //! One mode more: where the residual asks for it most, as a start for a fit of higher order.
 
 use super::model::{FreeModel, Point, RATE};
-use super::score;
 use super::search::Found;
+use crate::identify::likelihood::{inverse_factor, metric_pull};
 use crate::linalg::{C64, CMat, Mat};
 use crate::lti::FirstOrder;
 use crate::units::rad_per_s;
@@ -50,7 +50,7 @@ pub(super) fn candidate(model: &FreeModel, found: &Found, band_hz: [f64; 2]) -> 
         places.extend(DAMPINGS.map(|zeta| (f, zeta)));
         f *= RATIO;
     }
-    let inverse: Vec<CMat> = evaluation.s.iter().map(score::inverse_factor).collect::<Option<_>>()?;
+    let inverse: Vec<CMat> = evaluation.s.iter().map(inverse_factor).collect::<Option<_>>()?;
     let tried: Vec<Option<Candidate>> = places
         .into_par_iter()
         .map(|(freq_hz, zeta)| {
@@ -104,7 +104,7 @@ fn residual_pulls(model: &FreeModel, found: &Found) -> Option<Vec<CMat>> {
         .zip(&model.data.measured)
         .map(|(s, m)| CMat::from_fn(s.nrows(), s.ncols(), |i, j| s[(i, j)] - m[(i, j)]))
         .collect();
-    score::metric_pull(model, &found.frame.evaluation, &change)
+    metric_pull(s, &change, model.data.averages)
 }
 
 /// The system with two states more: x' = λx + √t b u, y += 2 Re(√t c x).

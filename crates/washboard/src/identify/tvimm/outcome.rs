@@ -6,7 +6,7 @@ use super::modes;
 use super::score::{self, PLANE_SD};
 use super::search::{Found, Stage, in_seconds};
 use crate::identify::likelihood::{
-    Covariance, Estimate, Group, LEAST_NOISE, Reason, mean, misfit, residuals,
+    Covariance, Estimate, Group, LEAST_NOISE, Reason, mean, metric_pull, misfit, residuals,
 };
 use crate::linalg::CMat;
 use crate::lti::{FirstOrder, Mode, ModeKind};
@@ -176,7 +176,7 @@ fn covariance(model: &FreeModel, drive: &FreeDrive<'_>, found: &Found) -> Covari
             .filter_map(|block| {
                 let change: Vec<CMat> =
                     model.data.scaled(block).iter().map(|m| CMat::from_fn(n, n, |i, j| -m[(i, j)])).collect();
-                let pulls = score::metric_pull(model, &found.frame.evaluation, &change)?;
+                let pulls = metric_pull(&found.frame.evaluation.s, &change, model.data.averages)?;
                 let mut full = model.pull(&found.frame.evaluation, &pulls);
                 full.extend(
                     (0..n).map(|c| {

@@ -2,11 +2,10 @@
 
 use super::model::{Evaluation, FreeModel, GridPoint, Point};
 use super::orbit::Entries;
+use crate::identify::likelihood::{Whitened, information_bins, whiten_all};
 use crate::linalg::{C64, CMat, Mat};
 use rayon::prelude::*;
 
-/// The information is summed over every so manyth bin that about this many are left: it is smooth, and they tell as much.
-const INFORMATION_BINS: usize = 130;
 /// Bins are summed in so many parts, whatever the number of threads: the same bits on all.
 const PARTS: usize = 8;
 /// The static gain over a road's plane is the plane at the sensors to this.
@@ -17,15 +16,6 @@ pub(super) struct Full {
     pub cost: f64,
     pub gradient: Vec<f64>,
     pub fisher: Mat,
-}
-
-/// A bin's factor and residual.
-struct Whitened {
-    cost: f64,
-    /// L⁻¹ of S = L Lᴴ.
-    inverse: CMat,
-    /// S⁻¹(S − Ŝ)S⁻¹.
-    pull: CMat,
 }
 
 /// n_avg Σ (ln|S| + tr S⁻¹Ŝ) and half the squares of the static plane's misfit.
@@ -47,8 +37,7 @@ pub(super) fn full(
     measured: &[CMat],
     at: &Point,
 ) -> Option<Full> {
-    let whitened: Vec<Whitened> =
-        evaluation.s.par_iter().zip(measured).map(|(s, m)| whiten(s, m)).collect::<Option<_>>()?;
+    let whitened = whiten_all(&evaluation.s, measured)?;
     let averages = model.data.averages;
     let e = Entries::of(&at.system);
     let n = model.derivatives.len();
@@ -75,42 +64,6 @@ pub(super) fn full(
         }
     }
     Some(Full { cost: total, gradient, fisher })
-}
-
-/// n_avg S⁻¹ D S⁻¹ at each bin: the pull of a change D of the spectra in the likelihood's metric.
-pub(super) fn metric_pull(model: &FreeModel, evaluation: &Evaluation, change: &[CMat]) -> Option<Vec<CMat>> {
-    let averages = model.data.averages;
-    evaluation
-        .s
-        .iter()
-        .zip(change)
-        .map(|(s, d)| {
-            let inverse = inverse_factor(s)?;
-            let si = inverse.adjoint() * &inverse;
-            let g = &si * d * &si;
-            Some(CMat::from_fn(g.nrows(), g.ncols(), |i, j| g[(i, j)] * averages))
-        })
-        .collect()
-}
-
-pub(super) fn inverse_factor(s: &CMat) -> Option<CMat> {
-    let n = s.nrows();
-    let factor = s.llt(faer::Side::Lower).ok()?;
-    let mut inverse = CMat::identity(n, n);
-    factor.L().solve_lower_triangular_in_place(inverse.as_mut());
-    Some(inverse)
-}
-
-fn whiten(s: &CMat, measured: &CMat) -> Option<Whitened> {
-    let n = s.nrows();
-    let inverse = inverse_factor(s)?;
-    let log_det: f64 = (0..n).map(|i| -2.0 * inverse[(i, i)].re.ln()).sum();
-    let m = &inverse * measured * inverse.adjoint();
-    let trace: f64 = (0..n).map(|i| m[(i, i)].re).sum();
-    let residual = CMat::from_fn(n, n, |i, j| C64::new(f64::from(u8::from(i == j)), 0.0) - m[(i, j)]);
-    let pull = inverse.adjoint() * residual * &inverse;
-    let cost = log_det + trace;
-    cost.is_finite().then_some(Whitened { cost, inverse, pull })
 }
 
 /// Real and imaginary parts apart, column after column.
@@ -144,8 +97,7 @@ fn information(
     at: &Point,
     p: usize,
 ) -> Mat {
-    let stride = (whitened.len() / INFORMATION_BINS).max(1);
-    let bins: Vec<usize> = (0..whitened.len()).skip(stride / 2).step_by(stride).collect();
+    let (bins, weight) = information_bins(whitened.len());
     let size = bins.len().div_ceil(PARTS);
     let first = model.data.first;
     let from = model.data.grid()[0];
@@ -166,7 +118,7 @@ fn information(
         total.iter_mut().zip(part).for_each(|(t, v)| *t += v);
     }
     // rows were filled for b ≥ a's row block: the lower part is the upper one's mirror
-    let weight = model.data.averages * whitened.len() as f64 / bins.len() as f64;
+    let weight = weight * model.data.averages;
     Mat::from_fn(p, p, |a, b| {
         let (a, b) = (a.min(b), a.max(b));
         weight * total[a * p + b]

@@ -1,0 +1,123 @@
+//! Recordings made ready for a fit: channels that the model has, spectra of the whole and of its pieces.
+
+use super::identify::Task;
+use super::{IdentifyMethod, StudyError};
+use crate::identify::{FitError, PhysicalDrive, PhysicalOutcome, PhysicalSettings, fit_physical};
+use crate::lti::{Parametric, StartedAt};
+use crate::signal::{Channel, CrossSpectra, Recording, Segment, WelchSettings, WheelPlace, welch};
+use crate::vehicle::{ParametricVehicle, VehicleError};
+
+/// Pieces of a recording whose spread widens the intervals.
+const BLOCKS: usize = 24;
+
+/// A recording with the channels that a model has.
+#[derive(Debug, Clone)]
+pub(super) struct Drive<'a> {
+    pub task: Task<'a>,
+    pub speed_m_s: f64,
+    pub blocks: Vec<CrossSpectra>,
+}
+
+/// A recording less the channels that a model does not have, and why each is left out.
+pub(super) fn usable(
+    recording: &Recording,
+    has: impl Fn(&Channel, &[WheelPlace]) -> Result<(), VehicleError>,
+) -> Result<(Recording, Vec<String>), StudyError> {
+    let (mut left_out, mut used) = (Vec::new(), Vec::new());
+    for channel in recording.channels() {
+        match has(channel, recording.wheels()) {
+            Ok(()) => used.push(channel.name.as_str()),
+            Err(e) => left_out.push(e.to_string()),
+        }
+    }
+    if used.is_empty() {
+        let expected = "channels that the vehicle model has".to_owned();
+        return Err(StudyError::Setting { field: "channel", expected, found: left_out.join("; ") });
+    }
+    Ok((recording.select(&used)?, left_out))
+}
+
+impl<'a> Drive<'a> {
+    /// Spectra of `recording` with the task's settings.
+    ///
+    /// # Errors
+    /// A recording without a speed, or too short for its segments.
+    pub fn new(task: &Task<'_>, recording: &'a Recording, name: &'a str) -> Result<Self, StudyError> {
+        let speed_m_s = recording.speed_m_s().ok_or_else(|| StudyError::Setting {
+            field: "speed_m_s",
+            expected: "the recording's speed: without it a delay and a road cannot be told".into(),
+            found: "none".into(),
+        })?;
+        let len = task.spectra.segment_len;
+        let task = Task {
+            recording,
+            name,
+            band_hz: task.band_hz,
+            spectra: spectra(recording, len)?,
+            convention: task.convention,
+        };
+        Ok(Drive { blocks: blocks(recording, len)?, task, speed_m_s })
+    }
+}
+
+fn spectra(recording: &Recording, len: usize) -> Result<CrossSpectra, StudyError> {
+    Ok(welch(recording, &WelchSettings::hann(Segment::Samples(len)))?)
+}
+
+/// Spectra of equal pieces of the recording, one segment long at least: what the intervals are checked by.
+fn blocks(recording: &Recording, len: usize) -> Result<Vec<CrossSpectra>, StudyError> {
+    let (total, rate) = (recording.len(), recording.rate_hz());
+    let count = BLOCKS.min(total / len);
+    (0..count)
+        .map(|b| {
+            let edge = |i: usize| (i * total / count) as f64 / rate;
+            spectra(&recording.between(edge(b), edge(b + 1))?, len)
+        })
+        .collect()
+}
+
+/// A family for each recording, with the derivatives that its channels measure.
+pub(super) type Families = Vec<(ParametricVehicle, Vec<usize>)>;
+
+/// Fits a vehicle to all drives, from `start` where one is given.
+pub(super) fn fit(
+    drives: &[Drive<'_>],
+    families: &Families,
+    start: Option<&[f64]>,
+    settings: &PhysicalSettings,
+) -> Result<PhysicalOutcome, FitError> {
+    let started: Vec<StartedAt<'_>> = families
+        .iter()
+        .map(|(family, _)| StartedAt { family, start: start.map_or_else(|| family.start(), <[f64]>::to_vec) })
+        .collect();
+    let of_fit: Vec<PhysicalDrive<'_>> = drives
+        .iter()
+        .zip(families)
+        .zip(&started)
+        .map(|((d, (_, derivatives)), vehicle)| PhysicalDrive {
+            vehicle,
+            derivatives,
+            spectra: &d.task.spectra,
+            blocks: &d.blocks,
+            speed_m_s: d.speed_m_s,
+            band_hz: d.task.band_hz,
+        })
+        .collect();
+    fit_physical(&of_fit, settings)
+}
+
+/// A fit that cannot start is about the recording.
+pub(super) fn cannot_start(e: &FitError) -> StudyError {
+    let expected = "a recording and a start that can be fitted".to_owned();
+    StudyError::Setting { field: "recording", expected, found: e.to_string() }
+}
+
+/// The length of segments as a share of a recording, by what a method wants.
+pub(super) fn segments(method: IdentifyMethod) -> f64 {
+    match method {
+        // a likelihood takes a few averages as well as many, and long segments keep delays and slow modes sharp
+        IdentifyMethod::Physical | IdentifyMethod::Tvimm => 15.0,
+        // forty leave each bin about 80 averages
+        _ => 40.0,
+    }
+}
