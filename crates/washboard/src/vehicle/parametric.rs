@@ -18,7 +18,8 @@ pub(super) const CG: &str = "front_axle_m";
 /// The lateral place of the c.g., the one number that may be negative.
 const CG_LEFT: &str = "cg_left_m";
 /// What may differ from left to right in an asymmetric family.
-const PER_CORNER: [&str; 4] = [
+const PER_CORNER: [&str; 5] = [
+    "tire_damping_n_s_per_m",
     "unsprung_mass_kg",
     "suspension_stiffness_n_per_m",
     "suspension_damping_n_s_per_m",
