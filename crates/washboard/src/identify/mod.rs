@@ -2,12 +2,18 @@
 
 mod harmonics;
 pub mod interaction;
+pub mod operational;
 mod physical;
+mod plscf;
 mod ssi;
 
 pub use harmonics::{Family, Line, LineError, LineSettings, spectral_lines};
-pub use physical::{CHI_LIMIT, Estimate, PhysicalError, PhysicalOutcome, PhysicalSettings, fit_physical};
-pub use ssi::{
-    Mode, Pole, PoleStatus, Reason, Rejected, ShapeComponent, SsiError, SsiOutcome, SsiSettings,
-    StabilizationDiagram, ssi_cov,
+pub use operational::{
+    Mode, OperationalError, Pole, PoleStatus, Reason, Rejected, ShapeComponent, StabilitySettings,
+    StabilizationDiagram,
 };
+pub use physical::{CHI_LIMIT, Estimate, PhysicalError, PhysicalOutcome, PhysicalSettings, fit_physical};
+pub use plscf::{
+    Constraint, HalfSpectra, PlscfOutcome, PlscfSettings, Spectrum as PlscfSpectrum, plscf, plscf_poles,
+};
+pub use ssi::{SsiOutcome, SsiSettings, ssi_cov};

@@ -82,6 +82,26 @@ impl Correlations {
         self.pair(i, j)[k]
     }
 
+    /// The mean of the correlations of a recording's equal blocks. No block has no correlation.
+    #[must_use]
+    pub(crate) fn mean(parts: &[Correlations]) -> Correlations {
+        let mut mean = parts.first().cloned().unwrap_or(Correlations { channels: 0, lags: 0, values: vec![] });
+        for part in parts.iter().skip(1) {
+            mean.values.iter_mut().zip(&part.values).for_each(|(m, p)| *m += p);
+        }
+        let count = parts.len().max(1) as f64;
+        mean.values.iter_mut().for_each(|m| *m /= count);
+        mean
+    }
+
+    /// Of a mean of so many parts, the mean of the others.
+    #[must_use]
+    pub(crate) fn without(&self, part: &Correlations, parts: usize) -> Correlations {
+        let count = parts as f64;
+        let values = self.values.iter().zip(&part.values).map(|(m, p)| (count * m - p) / (count - 1.0));
+        Correlations { values: values.collect(), ..*self }
+    }
+
     /// R_ij at all lags, from zero.
     ///
     /// # Panics

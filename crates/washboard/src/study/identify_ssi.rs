@@ -6,7 +6,7 @@ use super::identify::{Task, blank};
 use super::identify_outcome::{
     Flag, IdentifiedMode, IdentifyOutcome, RejectedMode, ShapeValue, StabilizationPole,
 };
-use crate::identify::{SsiSettings, ssi_cov};
+use crate::identify::{SsiSettings, StabilitySettings, ssi_cov};
 
 /// The rate is brought down to about this multiple of the band's end.
 const RATE_OVER_BAND: f64 = 2.56;
@@ -22,7 +22,11 @@ pub(super) fn run(task: &Task<'_>) -> Result<IdentifyOutcome, StudyError> {
     let usual = SsiSettings::default();
     // the subspace has no more room than this, and orders are even
     let room = (usual.block_rows - 1) * recording.channels().len() / 2 * 2;
-    let settings = SsiSettings { band_hz: Some(task.band_hz), max_order: usual.max_order.min(room), ..usual };
+    let settings = SsiSettings {
+        stability: StabilitySettings { band_hz: Some(task.band_hz), ..StabilitySettings::default() },
+        max_order: usual.max_order.min(room),
+        ..usual
+    };
     let found =
         ssi_cov(recording.samples(), recording.rate_hz(), &settings).map_err(|e| StudyError::Setting {
             field: "recording",
@@ -41,9 +45,9 @@ pub(super) fn run(task: &Task<'_>) -> Result<IdentifyOutcome, StudyError> {
         let number = outcome.modes.len() + 1;
         outcome.modes.push(IdentifiedMode {
             freq_hz: mode.freq_hz,
-            freq_sd_hz: None,
+            freq_sd_hz: mode.freq_sd_hz,
             damping: mode.damping,
-            damping_sd: None,
+            damping_sd: mode.damping_sd,
             pole: mode.pole,
             shape: mode
                 .shape
