@@ -1,5 +1,6 @@
 //! Identification: from responses alone to modes and the road, with the reason of everything that is left out.
 
+mod fdd;
 mod harmonics;
 pub mod interaction;
 pub mod operational;
@@ -7,6 +8,7 @@ mod physical;
 mod plscf;
 mod ssi;
 
+pub use fdd::{FddMode, FddOutcome, FddSettings, fdd};
 pub use harmonics::{Family, Line, LineError, LineSettings, spectral_lines};
 pub use operational::{
     Mode, OperationalError, Pole, PoleStatus, Reason, Rejected, ShapeComponent, StabilitySettings,

@@ -6,18 +6,23 @@ mod residues;
 mod spectra;
 
 use super::operational::{
-    Blocks, Cluster, Mode, OperationalError, OrderModel, Record, Rejected, StabilitySettings,
-    StabilizationDiagram, diagram, modes, nearest_pole, require,
+    Mode, OperationalError, OrderModel, Record, Rejected, StabilitySettings, StabilizationDiagram, Start,
+    deviations, diagram, modes, require,
 };
 use crate::linalg::C64;
 use crate::signal::{CorrelationError, Correlations};
+use fraction::Denominator;
 use normal::NormalEquations;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
-use spectra::{Lines, LagWindow};
+use spectra::{LagWindow, Lines};
+use std::collections::BTreeMap;
 
 pub use fraction::Constraint;
 pub use spectra::{HalfSpectra, Spectrum};
+
+/// Orders of a mode that are fitted again without each block: more tell little new of their median.
+const REFITTED: usize = 8;
 
 /// What p-LSCF is told beside the data. [`PlscfSettings::default`] suits a dozen modes or fewer.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -128,7 +133,9 @@ pub fn plscf(
     }
     let (mut clusters, rejected) = modes(&diagram, &record.rms, &settings.stability);
     residues::reshape(&mut clusters, &models, &diagram, &record, &window, settings);
-    spreads(&mut clusters, &diagram, &record, &window, settings)?;
+    let again =
+        |lambda: &Correlations, starts: &[Start]| refit(lambda, starts, rate_hz, &window, settings);
+    deviations(&mut clusters, &diagram, &record, REFITTED, again)?;
     let modes = clusters.into_iter().map(|c| c.mode).collect();
     Ok(PlscfOutcome { modes, rejected, diagram: diagram.in_units(&record.rms), factorisations })
 }
@@ -169,39 +176,27 @@ fn order_model(
     Some(model)
 }
 
-/// Gives the modes their standard deviations: each at the order of its middle pole, without one block after the other.
-fn spreads(
-    clusters: &mut [Cluster],
-    diagram: &StabilizationDiagram,
-    record: &Record,
+/// The poles in other correlations of the same record, each at its order: the root of A nearest to where it was.
+fn refit(
+    lambda: &Correlations,
+    starts: &[Start],
+    rate_hz: f64,
     window: &LagWindow,
     settings: &PlscfSettings,
-) -> Result<(), OperationalError> {
-    let middles: Vec<_> = clusters.iter().map(|c| &diagram.poles[c.middle]).collect();
-    let mut orders: Vec<usize> = middles.iter().map(|p| p.order).collect();
-    orders.sort_unstable();
-    orders.dedup();
-    let (Some(&top), Some(blocks)) = (orders.last(), Blocks::new(&record.channels, record.lags())?) else {
-        return Ok(());
+) -> Vec<Option<C64>> {
+    let top = starts.iter().map(|s| s.0).max().unwrap_or(1);
+    let lines = Lines::of_correlations(lambda, window, settings);
+    let Ok(normal) = NormalEquations::new(&lines, top) else { return vec![None; starts.len()] };
+    let mut denominators: BTreeMap<usize, Option<Denominator>> = BTreeMap::new();
+    let find = |(order, pole): &Start| {
+        let denominator = denominators.entry(*order).or_insert_with(|| {
+            (*order <= normal.max_order()).then(|| Denominator::new(&normal, *order, settings.constraint).ok())?
+        });
+        let mu = denominator.as_ref()?.root_near((pole / rate_hz - window.beta).exp())?;
+        let found = (mu.ln() + window.beta) * rate_hz;
+        ((found - pole).norm() <= settings.stability.frequency_tolerance * pole.norm()).then_some(found)
     };
-    let refit = |lambda: &Correlations| -> Vec<Option<C64>> {
-        let lines = Lines::of_correlations(lambda, window, settings);
-        let Ok(normal) = NormalEquations::new(&lines, top) else { return vec![None; middles.len()] };
-        let models: Vec<OrderModel> =
-            orders.iter().filter_map(|n| order_model(&normal, *n, settings, window)).collect();
-        middles
-            .iter()
-            .map(|p| {
-                let model = models.iter().find(|m| m.order == p.order)?;
-                nearest_pole(&model.poles, C64::new(p.pole[0], p.pole[1]), record.rate_hz)
-            })
-            .collect()
-    };
-    for (cluster, spread) in clusters.iter_mut().zip(blocks.spreads(refit)) {
-        cluster.mode.freq_sd_hz = spread.map(|s| s.freq_hz);
-        cluster.mode.damping_sd = spread.map(|s| s.damping);
-    }
-    Ok(())
+    starts.iter().map(find).collect()
 }
 
 fn check(channels: usize, rate_hz: f64, s: &PlscfSettings) -> Result<(), OperationalError> {

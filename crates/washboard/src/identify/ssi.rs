@@ -3,14 +3,17 @@
 mod subspace;
 
 use super::operational::{
-    Blocks, Cluster, Mode, OperationalError, OrderModel, Record, Rejected, StabilitySettings,
-    StabilizationDiagram, diagram, modes, nearest_pole, require,
+    Mode, OperationalError, OrderModel, Record, Rejected, StabilitySettings, StabilizationDiagram, Start,
+    deviations, diagram, modes, nearest_pole, require,
 };
 use crate::linalg::C64;
 use crate::signal::{CorrelationError, Correlations};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use subspace::Subspace;
+
+/// Orders of a mode that are fitted again without each block: more tell nothing new of their median.
+const REFITTED: usize = 12;
 
 /// What SSI-cov is told beside the data. [`SsiSettings::default`] suits a dozen modes or fewer.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -77,7 +80,7 @@ pub struct SsiOutcome {
 /// analysis*, MSSP 13 (1999); Döhler and Mevel, *Fast multi-order computation of system matrices in subspace-based
 /// system identification*, Control Engineering Practice 20 (2012).
 ///
-/// Standard deviations are the jackknife's over blocks of the recording, each mode refitted at one order.
+/// Standard deviations are the jackknife's over blocks of the recording, of each mode's median over a dozen orders.
 ///
 /// ```
 /// use washboard::identify::{SsiSettings, ssi_cov};
@@ -109,44 +112,32 @@ pub fn ssi_cov(channels: &[Vec<f64>], rate_hz: f64, settings: &SsiSettings) -> R
         .collect::<Result<_, _>>()?;
     let diagram = diagram(&models, &record, &settings.stability);
     let (mut clusters, rejected) = modes(&diagram, &record.rms, &settings.stability);
-    spreads(&mut clusters, &diagram, &record, &subspace)?;
+    let again = |lambda: &Correlations, starts: &[Start]| refit(&subspace, lambda, starts, &settings.stability, rate_hz);
+    deviations(&mut clusters, &diagram, &record, REFITTED, again)?;
     let modes = clusters.into_iter().map(|c| c.mode).collect();
     let diagram = diagram.in_units(&record.rms);
     Ok(SsiOutcome { modes, rejected, diagram, singular_values: subspace.singular_values })
 }
 
-/// Gives the modes their standard deviations: each at the order of its middle pole, without one block after the other.
-fn spreads(
-    clusters: &mut [Cluster],
-    diagram: &StabilizationDiagram,
-    record: &Record,
+/// The poles in other correlations of the same record, each at its order.
+fn refit(
     subspace: &Subspace,
-) -> Result<(), OperationalError> {
-    let middles: Vec<_> = clusters.iter().map(|c| &diagram.poles[c.middle]).collect();
-    let mut orders: Vec<usize> = middles.iter().map(|p| p.order).collect();
+    lambda: &Correlations,
+    starts: &[Start],
+    stability: &StabilitySettings,
+    rate_hz: f64,
+) -> Vec<Option<C64>> {
+    let mut orders: Vec<usize> = starts.iter().map(|s| s.0).collect();
     orders.sort_unstable();
     orders.dedup();
-    let (false, Some(blocks)) = (orders.is_empty(), Blocks::new(&record.channels, record.lags())?) else {
-        return Ok(());
+    let Ok(near) = subspace.near(lambda, &orders) else { return vec![None; starts.len()] };
+    let models: Vec<OrderModel> =
+        near.iter().filter_map(|r| OrderModel::of_realisation(&r.a, &r.c, &r.g).ok()).collect();
+    let find = |(order, pole): &Start| {
+        let model = models.iter().find(|m| m.order == *order)?;
+        nearest_pole(&model.poles, *pole, rate_hz, stability.frequency_tolerance)
     };
-    let refit = |lambda: &Correlations| -> Vec<Option<C64>> {
-        let Ok(near) = subspace.near(lambda, &orders) else { return vec![None; middles.len()] };
-        let models: Vec<Option<OrderModel>> =
-            near.iter().map(|r| OrderModel::of_realisation(&r.a, &r.c, &r.g).ok()).collect();
-        let find = |order: usize| models.iter().flatten().find(|m| m.order == order);
-        middles
-            .iter()
-            .map(|p| {
-                let pole = C64::new(p.pole[0], p.pole[1]);
-                nearest_pole(&find(p.order)?.poles, pole, record.rate_hz)
-            })
-            .collect()
-    };
-    for (cluster, spread) in clusters.iter_mut().zip(blocks.spreads(refit)) {
-        cluster.mode.freq_sd_hz = spread.map(|s| s.freq_hz);
-        cluster.mode.damping_sd = spread.map(|s| s.damping);
-    }
-    Ok(())
+    starts.iter().map(find).collect()
 }
 
 fn check(channels: usize, rate_hz: f64, s: &SsiSettings) -> Result<(), OperationalError> {

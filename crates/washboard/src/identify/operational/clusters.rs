@@ -56,7 +56,9 @@ pub struct Mode {
 pub(in crate::identify) struct Cluster {
     /// The mode.
     pub mode: Mode,
-    /// Its middle's position among the diagram's poles.
+    /// Their positions among the diagram's poles, by order.
+    pub members: Vec<usize>,
+    /// The position of the pole nearest to their medians.
     pub middle: usize,
 }
 
@@ -134,7 +136,11 @@ pub(in crate::identify) fn modes(
     }
     let mut modes: Vec<Cluster> = kept
         .iter()
-        .map(|c| Cluster { mode: mode(poles, c, rms), middle: c[nearest_to_medians(poles, c)] })
+        .map(|c| Cluster {
+            mode: mode(poles, c, rms),
+            members: c.clone(),
+            middle: c[nearest_to_medians(poles, c)],
+        })
         .collect();
     modes.sort_by(|a, b| a.mode.freq_hz.total_cmp(&b.mode.freq_hz));
     rejected.extend(never_stable(poles));
@@ -311,7 +317,7 @@ fn left_out(poles: &[Pole], members: &[usize], reason: Reason, why: String) -> R
     }
 }
 
-fn median(values: impl Iterator<Item = f64>) -> f64 {
+pub(super) fn median(values: impl Iterator<Item = f64>) -> f64 {
     let mut v: Vec<f64> = values.collect();
     if v.is_empty() {
         return 0.0;

@@ -1,5 +1,8 @@
 //! Standard deviations by leaving out one block of the recording after the other.
 
+use super::clusters::{Cluster, median};
+use super::record::Record;
+use super::stabilization::{Pole, StabilizationDiagram};
 use super::OperationalError;
 use crate::linalg::C64;
 use crate::signal::{Correlations, correlations};
@@ -14,23 +17,17 @@ const FEWEST: usize = 8;
 const LAGS_A_BLOCK: usize = 10;
 
 /// The correlations of each of a recording's blocks.
-pub(in crate::identify) struct Blocks {
+struct Blocks {
     parts: Vec<Correlations>,
     whole: Correlations,
 }
 
-/// Standard deviations of a pole's frequency and damping ratio.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(in crate::identify) struct Spread {
-    /// Of |λ|/2π.
-    pub freq_hz: f64,
-    /// Of −Re λ/|λ|.
-    pub damping: f64,
-}
+/// A pole to be found again: its order and λ in rad/s.
+pub(in crate::identify) type Start = (usize, C64);
 
 impl Blocks {
     /// Blocks of normalised channels at the lags 0 … `max_lag`; none where the recording is too short.
-    pub fn new(channels: &[Vec<f64>], max_lag: usize) -> Result<Option<Self>, OperationalError> {
+    fn new(channels: &[Vec<f64>], max_lag: usize) -> Result<Option<Self>, OperationalError> {
         let samples = channels.first().map_or(0, Vec::len);
         let count = BLOCKS.min(samples / (LAGS_A_BLOCK * max_lag.max(1)));
         if count < FEWEST {
@@ -48,30 +45,74 @@ impl Blocks {
         let whole = Correlations::mean(&parts);
         Ok(Some(Self { parts, whole }))
     }
+}
 
-    /// Standard deviations of the poles that `refit` gives for the correlations less one block, each by
-    /// s² = (B − 1)/B Σ_b (x_b − x̄)².
-    ///
-    /// None for a pole that one of the fits does not have: its spread is not that of one pole.
-    ///
-    /// Source: Efron and Stein, *The jackknife estimate of variance*, Annals of Statistics 9 (1981).
-    pub fn spreads<F>(&self, refit: F) -> Vec<Option<Spread>>
-    where
-        F: Fn(&Correlations) -> Vec<Option<C64>> + Sync,
-    {
-        let without: Vec<Vec<Option<C64>>> =
-            self.parts.par_iter().map(|part| refit(&self.whole.without(part, self.parts.len()))).collect();
-        let poles = without.iter().map(Vec::len).min().unwrap_or(0);
-        (0..poles)
-            .map(|k| {
-                let found: Option<Vec<C64>> = without.iter().map(|w| w[k]).collect();
-                found.map(|lambda| Spread {
-                    freq_hz: spread(lambda.iter().map(|l| l.norm() / TAU)),
-                    damping: spread(lambda.iter().map(|l| -l.re / l.norm())),
-                })
-            })
-            .collect()
+/// Gives modes the standard deviations of their medians over orders: `refit` finds poles again in the correlations less
+/// one block, and s² = (B − 1)/B Σ_b (x_b − x̄)².
+///
+/// At most `most_orders` of a cluster's orders are refitted, spread over all of them. A mode has no standard deviation
+/// where the recording is too short for blocks, or where a fit has lost most of its poles: their spread would not be that
+/// of one mode.
+///
+/// Source: Efron and Stein, *The jackknife estimate of variance*, Annals of Statistics 9 (1981).
+pub(in crate::identify) fn deviations<F>(
+    clusters: &mut [Cluster],
+    diagram: &StabilizationDiagram,
+    record: &Record,
+    most_orders: usize,
+    refit: F,
+) -> Result<(), OperationalError>
+where
+    F: Fn(&Correlations, &[Start]) -> Vec<Option<C64>> + Sync,
+{
+    let starts: Vec<Vec<Start>> =
+        clusters.iter().map(|c| chosen(&c.members, &diagram.poles, most_orders)).collect();
+    let all = starts.concat();
+    if all.is_empty() {
+        return Ok(());
     }
+    let Some(blocks) = Blocks::new(&record.channels, record.lags())? else { return Ok(()) };
+    let without: Vec<Vec<Option<[f64; 2]>>> = blocks
+        .parts
+        .par_iter()
+        .map(|part| {
+            let found = refit(&blocks.whole.without(part, blocks.parts.len()), &all);
+            let mut rest = found.as_slice();
+            let of_mode = |starts: &Vec<Start>| {
+                let (here, after) = rest.split_at(starts.len().min(rest.len()));
+                rest = after;
+                medians(here, starts.len())
+            };
+            starts.iter().map(of_mode).collect()
+        })
+        .collect();
+    for (k, cluster) in clusters.iter_mut().enumerate() {
+        let values: Option<Vec<[f64; 2]>> = without.iter().map(|w| w[k]).collect();
+        if let Some(values) = values {
+            cluster.mode.freq_sd_hz = Some(spread(values.iter().map(|v| v[0])));
+            cluster.mode.damping_sd = Some(spread(values.iter().map(|v| v[1])));
+        }
+    }
+    Ok(())
+}
+
+/// The poles of a cluster at so many of its orders, evenly.
+fn chosen(members: &[usize], poles: &[Pole], most: usize) -> Vec<Start> {
+    let count = members.len().min(most);
+    let at = |k: usize| &poles[members[(2 * k + 1) * members.len() / (2 * count)]];
+    (0..count).map(|k| (at(k).order, C64::new(at(k).pole[0], at(k).pole[1]))).collect()
+}
+
+/// Median frequency and damping ratio of the poles that were found, where at least half of them were.
+fn medians(found: &[Option<C64>], asked: usize) -> Option<[f64; 2]> {
+    let poles: Vec<C64> = found.iter().copied().flatten().collect();
+    if 2 * poles.len() < asked.max(1) {
+        return None;
+    }
+    Some([
+        median(poles.iter().map(|l| l.norm() / TAU)),
+        median(poles.iter().map(|l| -l.re / l.norm())),
+    ])
 }
 
 /// √((B − 1)/B Σ_b (x_b − x̄)²) of the values without each block.

@@ -209,12 +209,16 @@ impl ModelPole {
     }
 }
 
-/// The pole among `poles` (all of one order) nearest to λ, no further than a tenth of |λ|: λ in rad/s.
-pub(in crate::identify) fn nearest_pole(poles: &[ModelPole], lambda: C64, rate_hz: f64) -> Option<C64> {
-    const FURTHEST: f64 = 0.1;
+/// The pole among `poles` (all of one order) nearest to λ, no further than this part of |λ|: λ in rad/s.
+pub(in crate::identify) fn nearest_pole(
+    poles: &[ModelPole],
+    lambda: C64,
+    rate_hz: f64,
+    tolerance: f64,
+) -> Option<C64> {
     let away = |l: &C64| (l - lambda).norm();
     let all = poles.iter().map(|p| p.lambda(rate_hz));
-    all.min_by(|a, b| away(a).total_cmp(&away(b))).filter(|l| away(l) <= FURTHEST * lambda.norm())
+    all.min_by(|a, b| away(a).total_cmp(&away(b))).filter(|l| away(l) <= tolerance * lambda.norm())
 }
 
 /// The poles of all orders with their statuses.
