@@ -5,8 +5,8 @@ mod decomposition;
 mod peaks;
 
 use super::operational::{
-    OperationalError, Rejected, ShapeComponent, largest_one, mean_phase_deg, mean_phase_deviation_deg, normalise,
-    phase_collinearity, require, spread,
+    OperationalError, Rejected, ShapeComponent, jackknife, largest_one, mean_phase_deg, mean_phase_deviation_deg, normalise,
+    phase_collinearity, require,
 };
 use crate::signal::CorrelationError;
 use crate::units::per_hz_from_two_sided;
@@ -167,7 +167,7 @@ fn mode(
         Ok((value, without.filter(|w| w.len() >= decomposition::FEWEST_BLOCKS)))
     });
     let of = |without: &Option<Vec<[f64; 2]>>, i: usize| {
-        without.as_ref().map(|w| spread(w.iter().map(|v| v[i])))
+        without.as_ref().map(|w| blocks.overlap() * jackknife(w.iter().map(|v| v[i])))
     };
     let (freq_hz, damping, why, freq_sd_hz, damping_sd) = match &damped {
         Ok((value, without)) => (value[0], Some(value[1]), None, of(without, 0), of(without, 1)),

@@ -6,7 +6,7 @@ mod residues;
 mod spectra;
 
 use super::operational::{
-    Mode, OperationalError, OrderModel, Record, Rejected, StabilitySettings, StabilizationDiagram, Start,
+    Mode, OperationalError, OrderModel, Record, Rejected, Resampling, StabilitySettings, StabilizationDiagram, Start,
     deviations, diagram, modes, require,
 };
 use crate::linalg::C64;
@@ -23,6 +23,9 @@ pub use spectra::{HalfSpectra, Spectrum};
 
 /// Orders of a mode that are fitted again without each block: more tell little new of their median.
 const REFITTED: usize = 8;
+
+/// A pole that moved by so many frequency tolerances is another one.
+const LOST: f64 = 5.0;
 
 /// What p-LSCF is told beside the data. [`PlscfSettings::default`] suits a dozen modes or fewer.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -135,7 +138,7 @@ pub fn plscf(
     residues::reshape(&mut clusters, &models, &diagram, &record, &window, settings);
     let again =
         |lambda: &Correlations, starts: &[Start]| refit(lambda, starts, rate_hz, &window, settings);
-    deviations(&mut clusters, &diagram, &record, REFITTED, again)?;
+    deviations(&mut clusters, &diagram, &record, REFITTED, Resampling::Jackknife, again)?;
     let modes = clusters.into_iter().map(|c| c.mode).collect();
     Ok(PlscfOutcome { modes, rejected, diagram: diagram.in_units(&record.rms), factorisations })
 }
@@ -194,7 +197,7 @@ fn refit(
         });
         let mu = denominator.as_ref()?.root_near((pole / rate_hz - window.beta).exp())?;
         let found = (mu.ln() + window.beta) * rate_hz;
-        ((found - pole).norm() <= settings.stability.frequency_tolerance * pole.norm()).then_some(found)
+        ((found - pole).norm() <= LOST * settings.stability.frequency_tolerance * pole.norm()).then_some(found)
     };
     starts.iter().map(find).collect()
 }

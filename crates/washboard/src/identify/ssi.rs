@@ -3,7 +3,7 @@
 mod subspace;
 
 use super::operational::{
-    Mode, OperationalError, OrderModel, Record, Rejected, StabilitySettings, StabilizationDiagram, Start,
+    Mode, OperationalError, OrderModel, Record, Rejected, Resampling, StabilitySettings, StabilizationDiagram, Start,
     deviations, diagram, modes, nearest_pole, require,
 };
 use crate::linalg::C64;
@@ -14,6 +14,9 @@ use subspace::Subspace;
 
 /// Orders of a mode that are fitted again without each block: more tell nothing new of their median.
 const REFITTED: usize = 12;
+
+/// A pole that moved by so many frequency tolerances is another one.
+const LOST: f64 = 5.0;
 
 /// What SSI-cov is told beside the data. [`SsiSettings::default`] suits a dozen modes or fewer.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -80,7 +83,7 @@ pub struct SsiOutcome {
 /// analysis*, MSSP 13 (1999); Döhler and Mevel, *Fast multi-order computation of system matrices in subspace-based
 /// system identification*, Control Engineering Practice 20 (2012).
 ///
-/// Standard deviations are the jackknife's over blocks of the recording, of each mode's median over a dozen orders.
+/// Standard deviations are the bootstrap's over blocks of the recording, of each mode's median over a dozen orders.
 ///
 /// ```
 /// use washboard::identify::{SsiSettings, ssi_cov};
@@ -113,7 +116,7 @@ pub fn ssi_cov(channels: &[Vec<f64>], rate_hz: f64, settings: &SsiSettings) -> R
     let diagram = diagram(&models, &record, &settings.stability);
     let (mut clusters, rejected) = modes(&diagram, &record.rms, &settings.stability);
     let again = |lambda: &Correlations, starts: &[Start]| refit(&subspace, lambda, starts, &settings.stability, rate_hz);
-    deviations(&mut clusters, &diagram, &record, REFITTED, again)?;
+    deviations(&mut clusters, &diagram, &record, REFITTED, Resampling::Bootstrap, again)?;
     let modes = clusters.into_iter().map(|c| c.mode).collect();
     let diagram = diagram.in_units(&record.rms);
     Ok(SsiOutcome { modes, rejected, diagram, singular_values: subspace.singular_values })
@@ -135,7 +138,7 @@ fn refit(
         near.iter().filter_map(|r| OrderModel::of_realisation(&r.a, &r.c, &r.g).ok()).collect();
     let find = |(order, pole): &Start| {
         let model = models.iter().find(|m| m.order == *order)?;
-        nearest_pole(&model.poles, *pole, rate_hz, stability.frequency_tolerance)
+        nearest_pole(&model.poles, *pole, rate_hz, LOST * stability.frequency_tolerance)
     };
     starts.iter().map(find).collect()
 }

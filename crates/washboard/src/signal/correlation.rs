@@ -82,24 +82,15 @@ impl Correlations {
         self.pair(i, j)[k]
     }
 
-    /// The mean of the correlations of a recording's equal blocks. No block has no correlation.
+    /// Σ weight · part: of equal blocks of a recording and weights that sum to one, a mean of their correlations.
     #[must_use]
-    pub(crate) fn mean(parts: &[Correlations]) -> Correlations {
-        let mut mean = parts.first().cloned().unwrap_or(Correlations { channels: 0, lags: 0, values: vec![] });
-        for part in parts.iter().skip(1) {
-            mean.values.iter_mut().zip(&part.values).for_each(|(m, p)| *m += p);
+    pub(crate) fn weighted(parts: &[Correlations], weights: &[f64]) -> Correlations {
+        let (channels, lags) = parts.first().map_or((0, 0), |p| (p.channels, p.lags));
+        let mut values = vec![0.0; channels * channels * lags];
+        for (part, weight) in parts.iter().zip(weights).filter(|(_, w)| **w != 0.0) {
+            values.iter_mut().zip(&part.values).for_each(|(v, p)| *v += weight * p);
         }
-        let count = parts.len().max(1) as f64;
-        mean.values.iter_mut().for_each(|m| *m /= count);
-        mean
-    }
-
-    /// Of a mean of so many parts, the mean of the others.
-    #[must_use]
-    pub(crate) fn without(&self, part: &Correlations, parts: usize) -> Correlations {
-        let count = parts as f64;
-        let values = self.values.iter().zip(&part.values).map(|(m, p)| (count * m - p) / (count - 1.0));
-        Correlations { values: values.collect(), ..*self }
+        Correlations { channels, lags, values }
     }
 
     /// R_ij at all lags, from zero.

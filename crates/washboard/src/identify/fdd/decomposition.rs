@@ -49,6 +49,11 @@ impl Blocks {
         self.counts.len()
     }
 
+    /// What runs whose ends overlap are to be multiplied by to scatter as independent ones: √(B K_block/K).
+    pub fn overlap(&self) -> f64 {
+        (self.count() as f64 * self.averages_a_block / self.averages).sqrt().max(1.0)
+    }
+
     /// The runs' spectra at a bin.
     pub fn at(&self, bin: usize) -> impl Iterator<Item = &CMat> {
         self.spectra.iter().map(move |s| &s[bin])

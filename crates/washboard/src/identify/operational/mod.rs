@@ -2,7 +2,7 @@
 //! not stable, clusters that are modes, shapes and their criteria, standard deviations by leaving out blocks.
 
 mod clusters;
-mod jackknife;
+mod deviations;
 mod record;
 mod settings;
 mod shape;
@@ -14,7 +14,7 @@ pub use shape::{ShapeComponent, mean_phase_deg, mean_phase_deviation_deg, modal_
 pub use stabilization::{Pole, PoleStatus, StabilizationDiagram};
 
 pub(super) use clusters::{Cluster, modes};
-pub(super) use jackknife::{Start, deviations, spread};
+pub(super) use deviations::{Resampling, Start, deviations, jackknife};
 pub(super) use record::{Record, normalise};
 pub(super) use settings::require;
 pub(super) use shape::largest_one;
