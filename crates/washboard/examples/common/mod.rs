@@ -19,6 +19,7 @@ pub fn cars() -> Vec<(&'static str, VehicleSpec)> {
         tire_stiffness_n_per_m: LeftRight::Both(kt),
         tire_damping_n_s_per_m: LeftRight::Both(ct),
         anti_roll_stiffness_n_m_per_rad: bar,
+        damper_curve: None,
     };
     let car = |w: f64, a: f64, b: f64, m: f64, jx: f64, jy: f64, front: Axle, rear: Axle| FullCar {
         sprung_mass_kg: m,
@@ -82,6 +83,7 @@ pub fn cars() -> Vec<(&'static str, VehicleSpec)> {
         tire_stiffness_n_per_m: pair(kt, l, r),
         tire_damping_n_s_per_m: pair(ct, l, r),
         anti_roll_stiffness_n_m_per_rad: bar,
+        damper_curve: None,
     };
     let mut asymmetric = car(
         1.49,

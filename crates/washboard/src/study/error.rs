@@ -68,6 +68,7 @@ impl StudyError {
             StudyError::Ride { source, .. } | StudyError::Simulate(SimulateError::Ride(source)) => {
                 !numerical(source)
             }
+            StudyError::Simulate(SimulateError::Steps { .. }) => false,
             _ => true,
         }
     }

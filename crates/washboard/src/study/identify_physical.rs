@@ -6,7 +6,7 @@ use super::identify_outcome::{
     IdentifyOutcome, ShapeValue,
 };
 use super::{IdentifyMethod, StudyError, shape_points};
-use crate::identify::{PhysicalOutcome, PhysicalSettings, fit_physical};
+use crate::identify::{FitError, PhysicalDrive, PhysicalOutcome, PhysicalSettings, fit_physical};
 use crate::road::{CoherenceSpec, IsoClass, RoadSpec};
 use crate::signal::{CrossSpectra, Segment, WelchSettings, welch};
 use crate::units::{Convention, per_hz_from_two_sided, rad_per_s};
@@ -30,7 +30,7 @@ pub(super) fn run(
         expected: "the recording's speed: without it a delay and a road cannot be told".into(),
         found: "none".into(),
     })?;
-    if matches!(start.model, Model::TruckCabin | Model::Matrices) {
+    if matches!(start.model, Model::TruckCabin | Model::Matrices | Model::Response) {
         return Err(StudyError::Setting {
             field: "vehicle",
             expected: "a model that the physical fit knows (quarter-car, half-car, full-car, bounce-truck), or --method ssi".into(),
@@ -59,11 +59,19 @@ pub(super) fn run(
     };
     let (family, derivatives) =
         ParametricVehicle::new(start, recording.channels(), recording.wheels(), &[]).map_err(of_file)?;
-    let settings = PhysicalSettings { speed_m_s, band_hz: task.band_hz, convention: task.convention };
-    let found = match fit_physical(&family, &derivatives, &task.spectra, &blocks(&task)?, &settings) {
+    let blocks = blocks(&task)?;
+    let drive = PhysicalDrive {
+        vehicle: &family,
+        derivatives: &derivatives,
+        spectra: &task.spectra,
+        blocks: &blocks,
+        speed_m_s,
+        band_hz: task.band_hz,
+    };
+    let found = match fit_physical(&[drive], &PhysicalSettings::new(task.convention)) {
         Ok(found) => found,
         // too few sensors is an answer, not a mistake in a file
-        Err(crate::identify::PhysicalError::OneChannel { channel }) => {
+        Err(FitError::OneChannel { channel }) => {
             let mut outcome = blank(&task, IdentifyMethod::Physical, None);
             outcome.converged = false;
             let text = format!(
@@ -84,7 +92,8 @@ pub(super) fn run(
         found: e,
     })?;
     let fitted_vehicle = fitted.build_alone().map_err(of_file)?;
-    let mut outcome = blank(&task, IdentifyMethod::Physical, Some((&found.freq_hz, &found.fitted)));
+    let mut outcome =
+        blank(&task, IdentifyMethod::Physical, Some((&found.drives[0].freq_hz, &found.drives[0].fitted)));
     fill(&mut outcome, &found, &fitted_vehicle, &task, speed_m_s);
     if !left_out.is_empty() {
         let text = format!("not used: {}", left_out.join("; "));
@@ -184,20 +193,21 @@ fn fill(
         Convention::OneSidedRadPerM.density(task.convention.two_sided_time(v, 1.0), 1.0)
     };
     let nu = |hz: f64| rad_per_s(hz) / speed_m_s;
+    let drive = &found.drives[0];
     outcome.road = Some(IdentifiedRoad {
-        roughness_m3: found.roughness_m3.value,
-        roughness_sd_m3: found.roughness_m3.sd,
-        exponent: found.exponent.value,
-        exponent_sd: found.exponent.sd,
-        correlation: Some(found.road_correlation),
+        roughness_m3: drive.roughness_m3.value,
+        roughness_sd_m3: drive.roughness_m3.sd,
+        exponent: drive.exponent.value,
+        exponent_sd: drive.exponent.sd,
+        correlation: Some(drive.road_correlation),
         convention: task.convention,
-        class: IsoClass::of(one_sided(found.roughness_m3.value)),
+        class: IsoClass::of(one_sided(drive.roughness_m3.value)),
         band_rad_per_m: [nu(task.band_hz[0]), nu(task.band_hz[1])],
     });
-    outcome.coherence = found.mu.map(|mu| IdentifiedCoherence { mu: mu.value, mu_sd: mu.sd });
-    outcome.delay_s = found.delay_s.map(|d| d.value);
-    outcome.delay_sd_s = found.delay_s.map(|d| d.sd);
-    outcome.noise = found
+    outcome.coherence = drive.mu.map(|mu| IdentifiedCoherence { mu: mu.value, mu_sd: mu.sd });
+    outcome.delay_s = drive.delay_s.map(|d| d.value);
+    outcome.delay_sd_s = drive.delay_s.map(|d| d.sd);
+    outcome.noise = drive
         .noise
         .iter()
         .zip(task.recording.channels())
@@ -221,8 +231,8 @@ fn fill(
         cost: found.cost,
         decrement: found.decrement,
         chi: found.chi,
-        residual_freq_hz: found.freq_hz.clone(),
-        residual: found.residual.clone(),
+        residual_freq_hz: drive.freq_hz.clone(),
+        residual: drive.residual.clone(),
         iterations: found.work[0],
         evaluations: found.work[1],
     });

@@ -69,7 +69,7 @@ pub(super) fn vehicle_modes(loaded: &LoadedVehicle) -> Result<Vec<VehicleMode>, 
     let found =
         vehicle.modes().map_err(|source| StudyError::Vehicle { name: loaded.name.clone(), source })?;
     let shape = |mode: &crate::lti::Mode| {
-        let values = vehicle.dofs().iter().zip(&mode.shape);
+        let values = vehicle.shape_places().iter().zip(&mode.shape);
         values.map(|(dof, z)| ShapeValue { dof: dof.clone(), re: z.re, im: z.im }).collect()
     };
     Ok(found

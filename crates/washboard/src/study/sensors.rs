@@ -41,6 +41,17 @@ pub struct SensorRow {
     pub clip: Option<f64>,
     /// Values are rounded to multiples of this, SI.
     pub quantum: Option<f64>,
+    /// It shows what was this many s ago.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub delay_s: f64,
+    /// Its clock is this many millionths fast.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub clock_ppm: f64,
+}
+
+#[allow(clippy::trivially_copy_pass_by_ref)] // serde's signature
+fn is_zero(v: &f64) -> bool {
+    *v == 0.0
 }
 
 /// A sensor ready to be simulated. The simulated channel points along a positive axis; `declared` may be its opposite.
@@ -177,6 +188,8 @@ impl SensorRow {
         for (field, good, expected, found) in [
             ("noise", finite(noise_ratio, 0.0), "a number ≥ 0", noise_ratio),
             ("bias", self.bias.is_finite(), "a finite number", self.bias),
+            ("delay_s", self.delay_s.is_finite(), "a finite number", self.delay_s),
+            ("clock_ppm", self.clock_ppm.is_finite(), "a finite number", self.clock_ppm),
             ("clip", clip.is_none_or(|v| v > 0.0), "a positive number", clip.unwrap_or(0.0)),
             (
                 "quantum",
@@ -189,7 +202,14 @@ impl SensorRow {
                 return Err(format!("{field}: expected {expected}, found {found}"));
             }
         }
-        let flaws = Flaws { noise_ratio, bias: direction.sign() * self.bias, clip, quantum };
+        let flaws = Flaws {
+            noise_ratio,
+            bias: direction.sign() * self.bias,
+            clip,
+            quantum,
+            delay_s: self.delay_s,
+            clock_ppm: self.clock_ppm,
+        };
         let channel = Channel {
             name: self.name,
             quantity: self.quantity,

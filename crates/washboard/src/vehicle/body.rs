@@ -1,6 +1,6 @@
 //! A rigid body on corners: springs, dampers and wheels under points of it. Quarter, half and full cars are this.
 
-use super::{Actuator, Output, Parts, Wheel};
+use super::{Actuator, Damper, DamperCurve, Output, Parts, Wheel};
 use crate::linalg::Mat;
 
 /// One corner: the body's row (displacement of its top per body coordinate), the wheel under it.
@@ -9,6 +9,7 @@ pub(super) struct Corner {
     pub row: Vec<f64>,
     pub at_m: [f64; 2],
     pub damping: f64,
+    pub damper_curve: Option<DamperCurve>,
     pub unsprung_mass: f64,
     pub tire_stiffness: f64,
     pub tire_damping: f64,
@@ -75,7 +76,20 @@ impl BodyOnCorners {
             outputs: self.outputs(),
             actuators: self.actuators(),
             patterns: self.patterns.clone(),
+            dampers: self.dampers(),
         }
+    }
+
+    /// The dampers with a curve: compression is the wheel towards the body.
+    fn dampers(&self) -> Vec<Damper> {
+        let with_curve = |(i, corner): (usize, &Corner)| {
+            let curve = corner.damper_curve.clone()?;
+            let body = corner.row.iter().map(|v| -v);
+            let wheels = (0..self.corners.len()).map(|j| f64::from(u8::from(i == j)));
+            let (name, linear) = (corner.name.clone(), corner.damping);
+            Some(Damper { name, row: body.chain(wheels).collect(), linear, curve })
+        };
+        self.corners.iter().enumerate().filter_map(with_curve).collect()
     }
 
     fn dofs(&self) -> Vec<String> {

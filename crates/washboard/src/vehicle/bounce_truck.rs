@@ -107,6 +107,7 @@ impl BounceTruck {
                 ("chassis bounce".into(), unit(1)),
                 ("wheel hop".into(), unit(2)),
             ],
+            dampers: vec![],
         })
     }
 }

@@ -7,7 +7,7 @@ use crate::linalg::Mat;
 use serde::{Deserialize, Serialize};
 
 /// A full car. Pitch is positive nose down and roll positive left side up: z(x, y) = z_G − xθ + yφ.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct FullCar {
     /// m_s, kg.
@@ -85,6 +85,7 @@ impl FullCar {
                 row: vec![1.0, -x, y],
                 at_m: [x, y],
                 damping: axle.suspension_damping_n_s_per_m.sides()[side],
+                damper_curve: axle.damper_curve.clone(),
                 unsprung_mass: axle.unsprung_mass_kg.sides()[side],
                 tire_stiffness: axle.tire_stiffness_n_per_m.sides()[side],
                 tire_damping: axle.tire_damping_n_s_per_m.sides()[side],

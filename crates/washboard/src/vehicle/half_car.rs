@@ -19,7 +19,7 @@ pub enum HalfCarVariant {
 }
 
 /// A half car.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct HalfCar {
     /// m_s, kg.
@@ -53,6 +53,13 @@ impl HalfCar {
         for (name, axle, _) in axles {
             axle.check(name)?;
             axle.check_single_track(name)?;
+            if axle.damper_curve.is_some() && self.variant == HalfCarVariant::AsPrinted {
+                return Err(VehicleError::Field {
+                    field: format!("{name}.damper_curve"),
+                    expected: "variant = \"corrected\": as printed a damper has no velocity of its own",
+                    found: "variant = \"as-printed\"".into(),
+                });
+            }
         }
         let springs = axles.map(|(_, a, _)| a.suspension_stiffness_n_per_m.sides()[0]);
         let body = BodyOnCorners {
@@ -64,6 +71,7 @@ impl HalfCar {
                     row: vec![1.0, -x],
                     at_m: [x, 0.0],
                     damping: axle.suspension_damping_n_s_per_m.sides()[0],
+                    damper_curve: axle.damper_curve.clone(),
                     unsprung_mass: axle.unsprung_mass_kg.sides()[0],
                     tire_stiffness: axle.tire_stiffness_n_per_m.sides()[0],
                     tire_damping: axle.tire_damping_n_s_per_m.sides()[0],

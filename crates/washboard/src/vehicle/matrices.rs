@@ -75,6 +75,28 @@ pub struct ActuatorColumn {
 }
 
 impl Matrices {
+    /// Parts as a file: all outputs that are one row over q and the same derivative of the road.
+    pub(super) fn of(parts: &Parts) -> Self {
+        let rows = |a: &Mat| -> Vec<Vec<f64>> {
+            (0..a.nrows()).map(|i| (0..a.ncols()).map(|j| a[(i, j)]).collect()).collect()
+        };
+        Matrices {
+            m: rows(&parts.m),
+            c: rows(&parts.c),
+            k: rows(&parts.k),
+            wheel_stiffness: rows(&parts.wheel_stiffness),
+            wheel_damping: rows(&parts.wheel_damping),
+            dofs: parts.dofs.clone(),
+            wheel: parts.wheels.iter().map(|w| WheelRow { name: w.name.clone(), at_m: w.at_m }).collect(),
+            output: parts.outputs.iter().filter_map(OutputRow::of).collect(),
+            actuator: parts
+                .actuators
+                .iter()
+                .map(|a| ActuatorColumn { name: a.name.clone(), column: a.column.clone() })
+                .collect(),
+        }
+    }
+
     /// The vehicle.
     ///
     /// # Errors
@@ -106,7 +128,7 @@ impl Matrices {
             wheel_stiffness: wheel_matrix("wheel_stiffness", &self.wheel_stiffness)?,
             wheel_damping: wheel_matrix("wheel_damping", &self.wheel_damping)?,
             wheels: self.wheel.iter().map(|w| Wheel { name: w.name.clone(), at_m: w.at_m }).collect(),
-            outputs: self.output.iter().map(|o| o.build(n, w)).collect::<Result<_, _>>()?,
+            outputs: self.output.iter().map(|o| o.build(n, &self.wheel)).collect::<Result<_, _>>()?,
             actuators: self
                 .actuator
                 .iter()
@@ -115,13 +137,34 @@ impl Matrices {
                     Ok(Actuator { name: a.name.clone(), column: a.column.clone() })
                 })
                 .collect::<Result<_, VehicleError>>()?,
-            patterns: vec![],
+            patterns: self.patterns(),
+            dampers: vec![],
         })
+    }
+
+    /// Motions of the body that the file names; which wheels hop together it does not say.
+    fn patterns(&self) -> Vec<(String, Vec<f64>)> {
+        let n = self.dofs.len();
+        let unit = |i: usize| (0..n).map(|j| f64::from(u8::from(i == j))).collect();
+        let body = |(_, name): &(usize, &String)| ["heave", "pitch", "roll"].contains(&name.as_str());
+        self.dofs.iter().enumerate().filter(body).map(|(i, name)| (name.clone(), unit(i))).collect()
     }
 }
 
 impl OutputRow {
-    fn build(&self, n: usize, w: usize) -> Result<Output, VehicleError> {
+    fn of(output: &Output) -> Option<Self> {
+        let given: Vec<usize> = (0..3).filter(|d| !output.q[*d].is_empty()).collect();
+        let [d] = given[..] else { return None };
+        if !output.u.is_empty() || (0..3).any(|e| e != d && !output.r[e].is_empty()) {
+            return None;
+        }
+        let row = |e: usize| (e == d).then(|| output.q[d].clone());
+        let road = Some(output.r[d].clone()).filter(|r| !r.is_empty());
+        let (displacement, velocity, acceleration) = (row(0), row(1), row(2));
+        Some(OutputRow { name: output.name.clone(), displacement, velocity, acceleration, road })
+    }
+
+    fn build(&self, n: usize, wheels: &[WheelRow]) -> Result<Output, VehicleError> {
         let rows = [&self.displacement, &self.velocity, &self.acceleration];
         let given: Vec<usize> = (0..3).filter(|d| rows[*d].is_some()).collect();
         let [d] = given[..] else {
@@ -136,11 +179,15 @@ impl OutputRow {
         q[d] = rows[d].clone().unwrap_or_default();
         row(&format!("output `{}`", self.name), &q[d], n)?;
         if let Some(road) = &self.road {
-            row(&format!("output `{}` road", self.name), road, w)?;
+            row(&format!("output `{}` road", self.name), road, wheels.len())?;
             r[d].clone_from(road);
         }
-        let unit = ["m", "m/s", "m/s²"][d];
-        Ok(Output { name: self.name.clone(), base: self.name.clone(), unit, q, r, u: vec![] })
+        let angle = ["pitch_", "roll_"].iter().any(|s| self.name.starts_with(s));
+        let unit = [["m", "m/s", "m/s²"], ["rad", "rad/s", "rad/s²"]][usize::from(angle)][d];
+        // `suspension_travel_front_left` is a component of `suspension_travel` where a wheel has that name
+        let of_wheel = |w: &WheelRow| self.name.strip_suffix(&w.name).and_then(|s| s.strip_suffix('_'));
+        let base = wheels.iter().find_map(of_wheel).unwrap_or(&self.name).to_owned();
+        Ok(Output { name: self.name.clone(), base, unit, q, r, u: vec![] })
     }
 }
 

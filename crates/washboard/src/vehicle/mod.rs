@@ -1,13 +1,18 @@
-//! Vehicles: quarter, half and full cars, a truck cabin on its chassis, and any M, C, K with wheels.
+//! Vehicles: quarter, half and full cars, a truck cabin on its chassis, any M, C, K with wheels, or modes alone.
 
 mod body;
 mod bounce_truck;
+mod damper;
 mod driven;
 mod full_car;
+mod generic;
 mod half_car;
+mod known;
 mod matrices;
+mod multi_axle;
 mod parametric;
 mod quarter_car;
+mod response;
 mod ride;
 mod sensors;
 mod simulate;
@@ -16,11 +21,14 @@ mod truck_cabin;
 mod values;
 
 pub use bounce_truck::BounceTruck;
+pub use damper::{Damper, DamperCurve};
 pub use full_car::FullCar;
+pub use generic::{GenericStart, Symmetry};
 pub use half_car::{HalfCar, HalfCarVariant};
 pub use matrices::{ActuatorColumn, Matrices, OutputRow, WheelRow};
 pub use parametric::ParametricVehicle;
 pub use quarter_car::QuarterCar;
+pub use response::{Response, ResponseMode, ResponseOutput, ResponseReal};
 pub use ride::{Ride, RideError, Variance};
 pub use simulate::{Drive, DriveSettings, Flaws, SimulateError, drive, simulate};
 pub use spec::{Model, VehicleSpec};
@@ -107,6 +115,17 @@ pub struct Vehicle {
     outputs: Vec<Output>,
     actuators: Vec<Actuator>,
     patterns: Vec<(String, Vec<f64>)>,
+    dampers: Vec<Damper>,
+    known_modes: Option<KnownModes>,
+}
+
+/// Modes that are the vehicle's definition: their shapes at named places, and their names.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct KnownModes {
+    /// What the components of a shape are.
+    pub places: Vec<String>,
+    /// Ascending in |λ|.
+    pub modes: Vec<(Mode, String)>,
 }
 
 /// The parts that a model brings together; [`Vehicle::new`] checks them.
@@ -123,6 +142,8 @@ pub(crate) struct Parts {
     pub actuators: Vec<Actuator>,
     /// Names of motions and their displacement patterns, for the labels of modes.
     pub patterns: Vec<(String, Vec<f64>)>,
+    /// Dampers with a curve; C holds what stands for them.
+    pub dampers: Vec<Damper>,
 }
 
 impl Vehicle {
@@ -147,7 +168,13 @@ impl Vehicle {
             outputs: parts.outputs,
             actuators: parts.actuators,
             patterns: parts.patterns,
+            dampers: parts.dampers,
+            known_modes: None,
         })
+    }
+
+    pub(crate) fn with_known_modes(self, modes: KnownModes) -> Self {
+        Vehicle { known_modes: Some(modes), ..self }
     }
 
     /// M, C and K.
@@ -190,6 +217,39 @@ impl Vehicle {
     #[must_use]
     pub fn outputs(&self) -> &[Output] {
         &self.outputs
+    }
+
+    /// The dampers that have a curve, in the order of the corners.
+    #[must_use]
+    pub fn dampers(&self) -> &[Damper] {
+        &self.dampers
+    }
+
+    /// The same vehicle with other linear dampings in the place of its dampers with a curve (N·s/m, one a damper).
+    ///
+    /// # Errors
+    /// Another number of values than dampers; values that are not finite.
+    pub fn with_damping(&self, c_n_s_per_m: &[f64]) -> Result<Self, VehicleError> {
+        if c_n_s_per_m.len() != self.dampers.len() {
+            return Err(VehicleError::Field {
+                field: "damping".into(),
+                expected: "one value a damper with a curve",
+                found: format!("{} for {}", c_n_s_per_m.len(), self.dampers.len()),
+            });
+        }
+        let mut c = self.system.c().clone();
+        let mut dampers = self.dampers.clone();
+        for (damper, value) in dampers.iter_mut().zip(c_n_s_per_m) {
+            let more = value - damper.linear;
+            for i in 0..damper.row.len() {
+                for j in 0..damper.row.len() {
+                    c[(i, j)] += more * damper.row[i] * damper.row[j];
+                }
+            }
+            damper.linear = *value;
+        }
+        let system = SecondOrder::new(self.system.m().clone(), c, self.system.k().clone())?;
+        Ok(Vehicle { system, dampers, ..self.clone() })
     }
 
     /// The actuators.
@@ -243,11 +303,20 @@ impl Vehicle {
         }))
     }
 
+    /// What the components of a mode's shape are: the degrees of freedom, or the outputs of a vehicle known by its modes.
+    #[must_use]
+    pub fn shape_places(&self) -> &[String] {
+        self.known_modes.as_ref().map_or(&self.dofs, |known| &known.places)
+    }
+
     /// Modes, ascending in |λ|, each with the name of the motion that it resembles most.
     ///
     /// # Errors
     /// An eigenvalue iteration that does not converge.
     pub fn modes(&self) -> Result<Vec<(Mode, String)>, VehicleError> {
+        if let Some(known) = &self.known_modes {
+            return Ok(known.modes.clone());
+        }
         let modes = crate::lti::modes(&self.system)?;
         let labels = self.labels(&modes);
         Ok(modes.into_iter().zip(labels).collect())
@@ -273,8 +342,8 @@ impl Vehicle {
         let mut ranked: Vec<(f64, usize, usize)> = Vec::new();
         for (im, mode) in modes.iter().enumerate().filter(|(_, m)| m.kind == ModeKind::Oscillatory) {
             let shape = |i: usize| mode.shape[i];
-            let norm = inner(&shape, &shape).re;
             for (ip, (_, pattern)) in self.patterns.iter().enumerate() {
+                let norm = inner(&shape, &shape).re;
                 let p = |i: usize| C64::new(pattern[i], 0.0);
                 let likeness = inner(&p, &shape).norm_sqr() / (norm * inner(&p, &p).re);
                 ranked.push((likeness, im, ip));

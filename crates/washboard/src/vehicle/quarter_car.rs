@@ -2,12 +2,12 @@
 
 use super::body::{BodyOnCorners, Corner};
 use super::values::{not_negative, positive};
-use super::{Vehicle, VehicleError};
+use super::{DamperCurve, Vehicle, VehicleError};
 use crate::linalg::Mat;
 use serde::{Deserialize, Serialize};
 
 /// m_s z̈_s + c_s(ż_s − ż_u) + k_s(z_s − z_u) = −u, m_u z̈_u + … + k_t(z_u − r) + c_t(ż_u − ṙ) = u. Eqs. (4.1).
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct QuarterCar {
     /// m_s, kg.
@@ -23,6 +23,9 @@ pub struct QuarterCar {
     /// c_t, N·s/m.
     #[serde(default)]
     pub tire_damping_n_s_per_m: f64,
+    /// What the damper does in a simulated drive; `suspension_damping_n_s_per_m` stands for it everywhere else.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub damper_curve: Option<DamperCurve>,
 }
 
 impl QuarterCar {
@@ -37,6 +40,9 @@ impl QuarterCar {
         not_negative("suspension_damping_n_s_per_m", self.suspension_damping_n_s_per_m)?;
         positive("tire_stiffness_n_per_m", self.tire_stiffness_n_per_m)?;
         not_negative("tire_damping_n_s_per_m", self.tire_damping_n_s_per_m)?;
+        if let Some(curve) = &self.damper_curve {
+            curve.check("damper_curve")?;
+        }
         let body = BodyOnCorners {
             coordinates: vec![("sprung", "m")],
             inertia: vec![self.sprung_mass_kg],
@@ -45,6 +51,7 @@ impl QuarterCar {
                 row: vec![1.0],
                 at_m: [0.0, 0.0],
                 damping: self.suspension_damping_n_s_per_m,
+                damper_curve: self.damper_curve.clone(),
                 unsprung_mass: self.unsprung_mass_kg,
                 tire_stiffness: self.tire_stiffness_n_per_m,
                 tire_damping: self.tire_damping_n_s_per_m,

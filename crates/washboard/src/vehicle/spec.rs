@@ -1,8 +1,8 @@
 //! Vehicles as they are written in files.
 
 use super::{
-    ActuatorColumn, BounceTruck, FullCar, HalfCar, Matrices, OutputRow, QuarterCar, TruckCabin, Vehicle,
-    VehicleError, WheelRow,
+    ActuatorColumn, BounceTruck, FullCar, HalfCar, Matrices, OutputRow, QuarterCar, Response, TruckCabin,
+    Vehicle, VehicleError, WheelRow,
 };
 use serde::{Deserialize, Serialize};
 
@@ -30,6 +30,9 @@ pub struct VehicleSpec {
     /// `[matrices]`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub matrices: Option<Matrices>,
+    /// `[response]`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub response: Option<Response>,
     /// `[[wheel]]` of `matrices`, which may stand in its table too.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub wheel: Vec<WheelRow>,
@@ -52,6 +55,7 @@ pub enum Model {
     TruckCabin,
     BounceTruck,
     Matrices,
+    Response,
 }
 
 impl Model {
@@ -65,6 +69,7 @@ impl Model {
             Model::TruckCabin => "truck-cabin",
             Model::BounceTruck => "bounce-truck",
             Model::Matrices => "matrices",
+            Model::Response => "response",
         }
     }
 }
@@ -79,6 +84,7 @@ impl VehicleSpec {
             truck_cabin: None,
             bounce_truck: None,
             matrices: None,
+            response: None,
             wheel: Vec::new(),
             output: Vec::new(),
             actuator: Vec::new(),
@@ -101,6 +107,7 @@ impl VehicleSpec {
             (Model::TruckCabin, self.truck_cabin.is_some()),
             (Model::BounceTruck, self.bounce_truck.is_some()),
             (Model::Matrices, self.matrices.is_some()),
+            (Model::Response, self.response.is_some()),
         ] {
             if given != (other == self.model) {
                 return Err(VehicleError::Field {
@@ -138,6 +145,8 @@ impl VehicleSpec {
             v.output.extend(self.output.iter().cloned());
             v.actuator.extend(self.actuator.iter().cloned());
             v.assemble()
+        } else if let Some(v) = &self.response {
+            v.assemble()
         } else if let Some(v) = &self.truck_cabin {
             let below = chassis(&v.chassis)?;
             let truck = below.bounce_truck.ok_or_else(|| VehicleError::Field {
@@ -160,6 +169,19 @@ impl VehicleSpec {
             }
             other => other,
         })
+    }
+
+    /// The same file without damper curves: what stands for them stays.
+    #[must_use]
+    pub fn without_damper_curves(&self) -> Self {
+        let mut spec = self.clone();
+        let axles = spec.full_car.as_mut().map(|c| [&mut c.front, &mut c.rear]).into_iter();
+        let half = spec.half_car.as_mut().map(|c| [&mut c.front, &mut c.rear]).into_iter();
+        axles.chain(half).flatten().for_each(|axle| axle.damper_curve = None);
+        if let Some(car) = &mut spec.quarter_car {
+            car.damper_curve = None;
+        }
+        spec
     }
 
     /// The vehicle of a model that needs no other file.
@@ -193,6 +215,7 @@ from_model! {
     TruckCabin, Model::TruckCabin, truck_cabin;
     BounceTruck, Model::BounceTruck, bounce_truck;
     Matrices, Model::Matrices, matrices;
+    Response, Model::Response, response;
 }
 
 #[cfg(test)]

@@ -146,6 +146,7 @@ impl TruckCabin {
                 .enumerate()
                 .map(|(i, l)| ((*l).into(), unit(i)))
                 .collect(),
+            dampers: vec![],
         }
     }
 }

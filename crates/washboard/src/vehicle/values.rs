@@ -1,6 +1,6 @@
 //! Values of vehicle files: one axle's parameters, and values that may differ from left to right.
 
-use super::VehicleError;
+use super::{DamperCurve, VehicleError};
 use serde::{Deserialize, Serialize};
 
 /// One value for both sides, or `[left, right]`.
@@ -31,7 +31,7 @@ impl Default for LeftRight {
 }
 
 /// One axle: unsprung masses, suspension, tires, anti-roll bar.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Axle {
     /// Mass of one wheel with its part of the suspension, kg.
@@ -48,6 +48,9 @@ pub struct Axle {
     /// Anti-roll bar: moment per difference angle of the axle, N·m/rad; it adds K/t² to the corners.
     #[serde(default)]
     pub anti_roll_stiffness_n_m_per_rad: f64,
+    /// What the dampers do in a simulated drive; `suspension_damping_n_s_per_m` stands for it everywhere else.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub damper_curve: Option<DamperCurve>,
 }
 
 impl Axle {
@@ -67,6 +70,9 @@ impl Axle {
                 &format!("{name}.suspension_stiffness_n_per_m"),
                 self.suspension_stiffness_n_per_m.sides()[side],
             )?;
+        }
+        if let Some(curve) = &self.damper_curve {
+            curve.check(&format!("{name}.damper_curve"))?;
         }
         not_negative(&format!("{name}.anti_roll_stiffness_n_m_per_rad"), self.anti_roll_stiffness_n_m_per_rad)
     }

@@ -2,7 +2,7 @@
 
 use crate::common::{cars, perturbed, sensors, settings};
 use washboard::cases;
-use washboard::identify::{PhysicalSettings, fit_physical};
+use washboard::identify::{PhysicalDrive, PhysicalSettings, fit_physical};
 use washboard::signal::{Channel, Recording, Segment, WelchSettings, welch};
 use washboard::study::{IdentifyMethod, IdentifyOutcome, identify_recording};
 use washboard::units::Convention;
@@ -102,12 +102,19 @@ fn the_mass_scale_is_not_identifiable() {
     let (_, spec) = &cars()[0];
     let recording = drive(spec, &sensors("all", 0.02), 300.0, 1);
     let spectra = welch(&recording, &WelchSettings::hann(Segment::Seconds(7.5))).unwrap();
-    let physical =
-        PhysicalSettings { speed_m_s: 20.0, band_hz: [0.4, 20.0], convention: Convention::default() };
+    let physical = PhysicalSettings::new(Convention::default());
     let fit = |freed: &[String]| {
         let (family, derivatives) =
             ParametricVehicle::new(spec, recording.channels(), recording.wheels(), freed).unwrap();
-        fit_physical(&family, &derivatives, &spectra, &[], &physical).unwrap()
+        let drive = PhysicalDrive {
+            vehicle: &family,
+            derivatives: &derivatives,
+            spectra: &spectra,
+            blocks: &[],
+            speed_m_s: 20.0,
+            band_hz: [0.4, 20.0],
+        };
+        fit_physical(&[drive], &physical).unwrap()
     };
     assert!(fit(&[]).problems.is_empty());
     let free = fit(&["sprung_mass_kg".to_owned()]);

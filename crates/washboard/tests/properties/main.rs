@@ -2,6 +2,7 @@
 
 #![allow(clippy::unwrap_used)]
 
+mod dampers;
 mod ride;
 mod sensors;
 mod simulate;

@@ -126,7 +126,7 @@ fn sensors_clip_round_and_have_a_bias() {
     let vehicle = cases::vehicle("guiggiani-full-car").unwrap();
     let road = cases::road("iso8608-d").unwrap();
     let mut spoilt = sensors(0.0);
-    spoilt[0].1 = Flaws { noise_ratio: 0.0, bias: 0.5, clip: Some(2.0), quantum: Some(0.25) };
+    spoilt[0].1 = Flaws { bias: 0.5, clip: Some(2.0), quantum: Some(0.25), ..Flaws::default() };
     let settings = DriveSettings { speed_m_s: 20.0, duration_s: 20.0, rate_hz: 100.0, seed: 1 };
     let clean = simulate(&vehicle, &road, &sensors(0.0), &settings).unwrap();
     let found = simulate(&vehicle, &road, &spoilt, &settings).unwrap();
@@ -134,4 +134,51 @@ fn sensors_clip_round_and_have_a_bias() {
         assert_eq!(*f, ((c + 0.5).clamp(-2.0, 2.0) / 0.25).round() * 0.25);
     }
     assert_eq!(clean.samples()[1], found.samples()[1]);
+}
+
+/// A delay that is whole samples is the series moved; a delay of half a sample twice over is one of a whole sample.
+#[test]
+fn a_late_channel_is_the_same_channel_later() {
+    let vehicle = cases::vehicle("guiggiani-full-car").unwrap();
+    let road = cases::road("iso8608-c").unwrap();
+    let settings = DriveSettings { speed_m_s: 20.0, duration_s: 20.0, rate_hz: 200.0, seed: 1 };
+    let late = |delay_s: f64| {
+        let mut channels = sensors(0.0)[4..5].to_vec();
+        channels[0].1.delay_s = delay_s;
+        simulate(&vehicle, &road, &channels, &settings).unwrap().samples()[0].clone()
+    };
+    let (now, moved, back) = (late(0.0), late(7.0 / 200.0), late(-7.0 / 200.0));
+    let size = now.iter().fold(0.0, |m: f64, v| m.max(v.abs()));
+    assert!(moved[7..].iter().zip(&now).all(|(a, b)| (a - b).abs() < 1e-9 * size));
+    assert!(now[7..].iter().zip(&back).all(|(a, b)| (a - b).abs() < 1e-9 * size));
+    let refused = |flaws: Flaws| {
+        let channels = [(sensors(0.0)[4].0.clone(), flaws)];
+        simulate(&vehicle, &road, &channels, &settings).unwrap_err().to_string()
+    };
+    assert!(refused(Flaws { delay_s: 7.0, ..Flaws::default() }).starts_with("delay_s: expected at most 5 s"));
+    let e = refused(Flaws { clock_ppm: f64::NAN, ..Flaws::default() });
+    assert!(e.starts_with("clock_ppm: expected"), "{e}");
+}
+
+/// A clock that is fast by p millionths takes its sample k early: what a right clock sees of a channel that looks back.
+#[test]
+fn a_fast_clock_samples_earlier() {
+    let vehicle = cases::vehicle("guiggiani-full-car").unwrap();
+    let road = cases::road("iso8608-c").unwrap();
+    let record = |flaws: Flaws| {
+        let settings = DriveSettings { speed_m_s: 20.0, duration_s: 20.0, rate_hz: 200.0, seed: 1 };
+        let channels = [(sensors(0.0)[4].0.clone(), flaws)];
+        simulate(&vehicle, &road, &channels, &settings).unwrap().samples()[0].clone()
+    };
+    let ppm = 200.0;
+    let drifting = record(Flaws { clock_ppm: ppm, ..Flaws::default() });
+    let size = drifting.iter().fold(0.0, |m: f64, v| m.max(v.abs()));
+    // sample k is at k/200/(1 + ppm) s: the right clock's sample k of a channel that is late by the difference
+    for k in [0, 1, 1000, 2500, 3999] {
+        let true_s = k as f64 / 200.0 / (1.0 + ppm * 1e-6);
+        let shifted = record(Flaws { delay_s: k as f64 / 200.0 - true_s, ..Flaws::default() });
+        // the polynomial between dense samples is good for 1e-12
+        assert!((drifting[k] - shifted[k]).abs() < 1e-10 * size, "sample {k}");
+    }
+    assert!((drifting[3999] - record(Flaws::default())[3999]).abs() > 1e-2 * size);
 }

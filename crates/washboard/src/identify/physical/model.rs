@@ -1,54 +1,13 @@
 //! The model's spectra and their derivatives, seen through the window.
 
-use super::data::BandData;
+use super::layout::Layout;
+use crate::identify::likelihood::{BandData, Drive, RoadAt};
 use crate::linalg::{C64, CMat, Mat, solve_complex};
 use crate::lti::{Parametric, WheeledSystem};
-use crate::units::Convention;
 use rayon::prelude::*;
-use std::f64::consts::TAU;
 
-/// This much (of channels scaled to a mean density of 1) is added to the measured spectra's diagonals and is the least of
-/// the model's floors: two tracks give spectra of rank two, and without any noise the rest is leakage that no model
-/// knows. Sensors that are 0.1 % noisy have as much of their own.
-pub(super) const LEAST_NOISE: f64 = 1e-6;
 /// Relative step of the differences that give the derivatives of M, C, K: they are polynomials of low degree.
 const PARAMETER_STEP: f64 = 1e-5;
-
-/// Where each parameter stands in θ: logarithms of the vehicle's, ln S₀, e, ln μ, ln of the delay's factor, ln noise.
-#[derive(Debug, Clone)]
-pub(super) struct Layout {
-    pub vehicle: usize,
-    pub mu: Option<usize>,
-    pub delay: Option<usize>,
-    pub noise: usize,
-    pub channels: usize,
-}
-
-impl Layout {
-    pub fn new(vehicle: usize, tracks: bool, axles: bool, channels: usize) -> Self {
-        let mut next = vehicle + 2;
-        let mut take = |yes: bool| {
-            yes.then(|| {
-                next += 1;
-                next - 1
-            })
-        };
-        let (mu, delay) = (take(tracks), take(axles));
-        Layout { vehicle, mu, delay, noise: next, channels }
-    }
-
-    pub fn s0(&self) -> usize {
-        self.vehicle
-    }
-
-    pub fn exponent(&self) -> usize {
-        self.vehicle + 1
-    }
-
-    pub fn len(&self) -> usize {
-        self.noise + self.channels
-    }
-}
 
 /// Spectra at the bins of the band, and their derivatives by θ.
 pub(super) struct Evaluation {
@@ -63,10 +22,11 @@ pub(super) struct Model<'a> {
     pub vehicle: &'a dyn Parametric,
     /// Time derivatives of displacement that each channel measures.
     pub derivatives: &'a [usize],
-    pub speed_m_s: f64,
-    pub convention: Convention,
+    pub drive: Drive,
     pub layout: Layout,
-    pub data: &'a BandData,
+    /// Names of the channels.
+    pub channels: &'a [String],
+    pub data: BandData,
     /// Independent averages at one bin.
     pub averages: f64,
 }
@@ -98,31 +58,12 @@ impl Model<'_> {
         let linear = self.linearise(theta, derivatives)?;
         let n = self.layout.channels;
         let width = if derivatives { self.layout.noise } else { 0 };
-        let half = self.data.kernel.len() / 2;
-        // half bins of |index| from 0 up to the last one that the window reaches
-        let last = 2 * (self.data.first + self.data.omega.len() - 1) + half;
-        let lowest = (2 * self.data.first).saturating_sub(half);
-        let from = if 2 * self.data.first < half { 0 } else { lowest };
+        let [from, last] = self.data.grid();
         let grid: Vec<Vec<C64>> = (from..=last)
             .into_par_iter()
-            .map(|index| self.at(&linear, theta, 0.5 * self.data.step * index as f64, width))
+            .map(|index| self.at(&linear, theta, self.data.half_omega(index), width))
             .collect::<Result<_, String>>()?;
-        let blocks: Vec<Vec<C64>> = (0..self.data.omega.len())
-            .into_par_iter()
-            .map(|bin| {
-                let mut sum = vec![C64::new(0.0, 0.0); (1 + width) * n * n];
-                for (offset, weight) in self.data.kernel.iter().enumerate() {
-                    let index = (2 * (self.data.first + bin) + offset) as i64 - half as i64;
-                    let values = &grid[index.unsigned_abs() as usize - from];
-                    // S(−ω) = S(ω)*
-                    let sign = if index < 0 { -1.0 } else { 1.0 };
-                    for (s, v) in sum.iter_mut().zip(values) {
-                        *s += C64::new(weight * v.re, sign * weight * v.im);
-                    }
-                }
-                sum
-            })
-            .collect();
+        let blocks = self.data.convolve(&grid);
         let noise = &theta[self.layout.noise..];
         let matrix = |block: &[C64]| CMat::from_fn(n, n, |i, j| block[i * n + j]);
         let mut s = Vec::with_capacity(blocks.len());
@@ -138,6 +79,17 @@ impl Model<'_> {
             }
         }
         Ok(Evaluation { s, ds })
+    }
+
+    /// ∂S/∂θ at a bin, noise floors included.
+    pub fn slopes(&self, evaluation: &Evaluation, theta: &[f64], bin: usize) -> Vec<CMat> {
+        let n = self.layout.channels;
+        let mut all = evaluation.ds[bin].clone();
+        all.extend((0..n).map(|c| {
+            let floor = theta[self.layout.noise + c].exp();
+            CMat::from_fn(n, n, |i, j| C64::new(if i == c && j == c { floor } else { 0.0 }, 0.0))
+        }));
+        all
     }
 
     fn linearise(&self, theta: &[f64], derivatives: bool) -> Result<Linearised, String> {
@@ -187,12 +139,16 @@ impl Model<'_> {
         let z = base.system().dynamic_stiffness(omega);
         let rows = complex(base.rows());
         let x = solve_complex(&z, &b).map_err(|e| e.to_string())?;
+        let late = |i: usize| self.layout.clocks.map_or(0.0, |first| theta[first + i]);
         let weight: Vec<C64> = (0..n)
-            .map(|i| C64::new(0.0, omega).powu(self.derivatives[i] as u32) / self.data.scale[i])
+            .map(|i| {
+                C64::new(0.0, omega).powu(self.derivatives[i] as u32) / self.data.scale[i]
+                    * C64::new(0.0, -omega * late(i)).exp()
+            })
             .collect();
         let weigh = |a: CMat| CMat::from_fn(n, a.ncols(), |i, j| weight[i] * a[(i, j)]);
         let h = weigh(&rows * &x);
-        let road = Road::new(self, theta, base.at_m(), omega);
+        let road = RoadAt::new(self.drive, &self.layout.road(theta), base.at_m(), omega);
         let p = &road.s * h.transpose();
         let s = h.conjugate() * &p;
         write(&mut out, 0, &s);
@@ -212,13 +168,21 @@ impl Model<'_> {
         }
         let through = |sr: &CMat| h.conjugate() * (sr * h.transpose());
         write(&mut out, 1 + self.layout.s0(), &s);
-        let ln_nu = (omega / self.speed_m_s).ln();
-        write(&mut out, 1 + self.layout.exponent(), &CMat::from_fn(n, n, |i, j| s[(i, j)] * -ln_nu));
+        write(&mut out, 1 + self.layout.exponent(), &CMat::from_fn(n, n, |i, j| s[(i, j)] * -road.ln_nu));
         if let Some(mu) = self.layout.mu {
             write(&mut out, 1 + mu, &through(&road.by_mu));
         }
         if let Some(delay) = self.layout.delay {
             write(&mut out, 1 + delay, &through(&road.by_delay));
+        }
+        if let Some(clocks) = self.layout.clocks {
+            for c in 0..n {
+                // S_ij turns with e^{iω(δᵢ − δⱼ)}
+                let turn = |i: usize, j: usize| {
+                    C64::new(0.0, omega * (f64::from(u8::from(i == c)) - f64::from(u8::from(j == c))))
+                };
+                write(&mut out, 1 + clocks + c, &CMat::from_fn(n, n, |i, j| s[(i, j)] * turn(i, j)));
+            }
         }
         Ok(out)
     }
@@ -230,29 +194,5 @@ fn write(out: &mut [C64], block: usize, a: &CMat) {
         for j in 0..n {
             out[block * n * n + i * n + j] = a[(i, j)];
         }
-    }
-}
-
-/// The spectrum matrix under the wheels and its derivatives by ln μ and the logarithm of the delay's factor.
-struct Road {
-    s: CMat,
-    by_mu: CMat,
-    by_delay: CMat,
-}
-
-impl Road {
-    fn new(model: &Model<'_>, theta: &[f64], at_m: &[[f64; 2]], omega: f64) -> Self {
-        let (layout, v) = (&model.layout, model.speed_m_s);
-        let density = theta[layout.s0()].exp() * (omega / v).powf(-theta[layout.exponent()]);
-        let level = model.convention.two_sided_time(density, v);
-        let mu = layout.mu.map_or(0.0, |i| theta[i].exp());
-        let factor = layout.delay.map_or(1.0, |i| theta[i].exp());
-        let w = at_m.len();
-        let decay = |i: usize, j: usize| mu * (at_m[i][1] - at_m[j][1]).abs() * omega / (TAU * v);
-        let turn = |i: usize, j: usize| omega * factor * (at_m[i][0] - at_m[j][0]) / v;
-        let s = CMat::from_fn(w, w, |i, j| C64::new(0.0, -turn(i, j)).exp() * (level * (-decay(i, j)).exp()));
-        let by_mu = CMat::from_fn(w, w, |i, j| s[(i, j)] * -decay(i, j));
-        let by_delay = CMat::from_fn(w, w, |i, j| s[(i, j)] * C64::new(0.0, -turn(i, j)));
-        Road { s, by_mu, by_delay }
     }
 }

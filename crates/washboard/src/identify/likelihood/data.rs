@@ -1,18 +1,22 @@
 //! Measured spectra as the likelihood sees them: a band of bins, channels scaled to a mean density of 1.
 
-use super::PhysicalError;
-use super::model::LEAST_NOISE;
+use super::FitError;
 use crate::linalg::{C64, CMat, solve_complex};
 use crate::signal::CrossSpectra;
 use crate::units::rad_per_s;
+use rayon::prelude::*;
 
+/// This much (of channels scaled to a mean density of 1) is added to the measured spectra's diagonals and is the least of
+/// the model's floors: two tracks give spectra of rank two, and without any noise the rest is leakage that no model
+/// knows. Sensors that are 0.1 % noisy have as much of their own.
+pub(crate) const LEAST_NOISE: f64 = 1e-6;
 /// Bins that the band must have.
 const LEAST_BINS: usize = 12;
 /// Noise floors start from the median of these frequencies, Hz.
 const NOISE_BAND_HZ: [f64; 2] = [0.5, 40.0];
 
 /// The band of a fit.
-pub(super) struct BandData {
+pub(crate) struct BandData {
     /// Index of the first bin.
     pub first: usize,
     /// Bins in rad/s.
@@ -32,21 +36,21 @@ pub(super) struct BandData {
 }
 
 impl BandData {
-    pub fn new(spectra: &CrossSpectra, band_hz: [f64; 2]) -> Result<Self, PhysicalError> {
+    pub fn new(spectra: &CrossSpectra, band_hz: [f64; 2]) -> Result<Self, FitError> {
         let n = spectra.channels.len();
         // bins 0 and 1 are lowered by the removal of means
         let inside = |k: &usize| *k >= 2 && (band_hz[0]..=band_hz[1]).contains(&spectra.freq_hz[*k]);
         let bins: Vec<usize> = (0..spectra.freq_hz.len()).filter(inside).collect();
         if bins.len() < LEAST_BINS {
-            return Err(PhysicalError::FewBins { band_hz, bins: bins.len(), least: LEAST_BINS });
+            return Err(FitError::FewBins { band_hz, bins: bins.len(), least: LEAST_BINS });
         }
         if spectra.averages < 2.0 * n as f64 {
-            return Err(PhysicalError::FewAverages { averages: spectra.averages, channels: n });
+            return Err(FitError::FewAverages { averages: spectra.averages, channels: n });
         }
         let mean = |i: usize| bins.iter().map(|k| spectra.s[*k][(i, i)].re).sum::<f64>() / bins.len() as f64;
         let scale: Vec<f64> = (0..n).map(|i| mean(i).sqrt()).collect();
         if let Some(i) = scale.iter().position(|s| !(*s > 0.0 && s.is_finite())) {
-            return Err(PhysicalError::DeadChannel { channel: spectra.channels[i].clone() });
+            return Err(FitError::DeadChannel { channel: spectra.channels[i].clone() });
         }
         let scaled = |k: usize| loaded(&spectra.s[k], &scale);
         Ok(BandData {
@@ -74,6 +78,66 @@ impl BandData {
     /// The same bins of another estimate of the same channels, scaled alike.
     pub fn scaled(&self, spectra: &CrossSpectra) -> Vec<CMat> {
         (self.first..self.first + self.omega.len()).map(|k| loaded(&spectra.s[k], &self.scale)).collect()
+    }
+
+    /// The first and the last half bin that the window reaches from the band, mirrored at zero.
+    pub fn grid(&self) -> [usize; 2] {
+        let half = self.kernel.len() / 2;
+        let last = 2 * (self.first + self.omega.len() - 1) + half;
+        [(2 * self.first).saturating_sub(half) * usize::from(2 * self.first >= half), last]
+    }
+
+    /// ω of half bin `index`.
+    pub fn half_omega(&self, index: usize) -> f64 {
+        0.5 * self.step * index as f64
+    }
+
+    /// The half bins under the window at a bin: place in the grid, whether mirrored (conjugate), weight.
+    pub fn under_window(&self, bin: usize) -> impl Iterator<Item = (usize, bool, f64)> + '_ {
+        let (half, from) = (self.kernel.len() as i64 / 2, self.grid()[0]);
+        let middle = 2 * (self.first + bin) as i64;
+        self.kernel.iter().enumerate().map(move |(offset, weight)| {
+            let index = middle + offset as i64 - half;
+            (index.unsigned_abs() as usize - from, index < 0, *weight)
+        })
+    }
+
+    /// Values on the grid seen through the window at every bin: S(−ω) = S(ω)*.
+    pub fn convolve(&self, grid: &[Vec<C64>]) -> Vec<Vec<C64>> {
+        let width = grid.first().map_or(0, Vec::len);
+        (0..self.omega.len())
+            .into_par_iter()
+            .map(|bin| {
+                let mut sum = vec![C64::new(0.0, 0.0); width];
+                for (at, mirrored, weight) in self.under_window(bin) {
+                    let sign = if mirrored { -1.0 } else { 1.0 };
+                    for (s, v) in sum.iter_mut().zip(&grid[at]) {
+                        *s += C64::new(weight * v.re, sign * weight * v.im);
+                    }
+                }
+                sum
+            })
+            .collect()
+    }
+
+    /// The adjoint of [`BandData::convolve`]: Σ_bins Re⟨G, W * S⟩ = Σ_grid Re⟨W' G, S⟩ for ⟨G, S⟩ = tr(G S).
+    pub fn spread(&self, bins: &[CMat]) -> Vec<CMat> {
+        let [from, last] = self.grid();
+        let n = self.scale.len();
+        let mut grid = vec![CMat::zeros(n, n); last - from + 1];
+        for (bin, g) in bins.iter().enumerate() {
+            for (at, mirrored, weight) in self.under_window(bin) {
+                let sign = if mirrored { -1.0 } else { 1.0 };
+                let into = &mut grid[at];
+                for j in 0..n {
+                    for i in 0..n {
+                        let v: C64 = g[(i, j)];
+                        into[(i, j)] += C64::new(weight * v.re, sign * weight * v.im);
+                    }
+                }
+            }
+        }
+        grid
     }
 }
 

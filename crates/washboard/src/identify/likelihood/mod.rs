@@ -1,0 +1,112 @@
+//! Fitting spectral models to measured spectra: what the physical fit and the free modes share.
+
+mod covariance;
+mod data;
+mod descent;
+mod road;
+mod whittle;
+
+pub(crate) use covariance::{Covariance, Group};
+pub(crate) use data::{BandData, LEAST_NOISE};
+pub(crate) use descent::{End, Problem, Stop, descend, newton};
+pub(crate) use road::{Drive, RoadAt, RoadValues};
+pub(crate) use whittle::{Score, block_gradients, cost, residuals, score};
+
+use thiserror::Error;
+
+/// χ above this says that the model does not explain the data: right answers have .33–.44, wrong ones ≥ 1.3.
+pub const CHI_LIMIT: f64 = 0.6;
+/// The same for an eighth of the band, whose mean scatters more.
+pub(crate) const PART_CHI_LIMIT: f64 = 0.9;
+
+/// What is refused before a fit starts.
+#[derive(Debug, Error, Clone, PartialEq)]
+pub enum FitError {
+    /// The band holds too few bins.
+    #[error(
+        "the band {band_hz:?} Hz holds {bins} bins of the spectra, expected at least {least}: a wider band or longer segments"
+    )]
+    FewBins {
+        /// The band.
+        band_hz: [f64; 2],
+        /// Bins in it.
+        bins: usize,
+        /// Bins needed.
+        least: usize,
+    },
+    /// The recording is too short for its channels.
+    #[error(
+        "{averages:.1} independent averages for {channels} channels, expected at least twice as many: a longer recording or shorter segments"
+    )]
+    FewAverages {
+        /// Averages.
+        averages: f64,
+        /// Channels.
+        channels: usize,
+    },
+    /// A channel has no power in the band.
+    #[error("channel `{channel}` has no power in the band, or more than a number can hold")]
+    DeadChannel {
+        /// Its name.
+        channel: String,
+    },
+    /// One sensor cannot tell a vehicle from its road.
+    #[error("one channel (`{channel}`) cannot tell the vehicle from its road: expected at least two")]
+    OneChannel {
+        /// Its name.
+        channel: String,
+    },
+    /// The vehicle at its start cannot be used.
+    #[error("the vehicle cannot be fitted from its start: {0}")]
+    Start(String),
+    /// No recording was given.
+    #[error("no recording to fit")]
+    NoDrive,
+}
+
+/// A value and its standard deviation.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Estimate {
+    /// Value.
+    pub value: f64,
+    /// Standard deviation: Fisher information, widened by the spread over blocks.
+    pub sd: f64,
+}
+
+/// A reason in words with a name to script against.
+pub type Reason = (&'static str, String);
+
+/// What the residual says: the model does not explain the whole band, or a part of it.
+pub(crate) fn misfit(residual: &[f64], omega: &[f64]) -> Option<Reason> {
+    let chi = mean(residual);
+    if !(chi <= CHI_LIMIT) {
+        let text = format!(
+            "the model does not explain the spectra: residual statistic {chi:.2}, expected below {CHI_LIMIT}"
+        );
+        return Some(("misfit", text));
+    }
+    let hz = |bin: usize| crate::units::hz(omega[bin]);
+    worst_part(residual).filter(|p| p.2 > PART_CHI_LIMIT).map(|(from, to, worst)| {
+        let text = format!(
+            "the model does not explain the spectra from {:.2} to {:.2} Hz: residual statistic {worst:.2} there, expected below {PART_CHI_LIMIT}; leave that band out",
+            hz(from),
+            hz(to)
+        );
+        ("misfit", text)
+    })
+}
+
+pub(crate) fn mean(values: &[f64]) -> f64 {
+    values.iter().sum::<f64>() / values.len() as f64
+}
+
+/// The eighth of the band with the largest mean residual: first bin, last bin, mean.
+fn worst_part(residual: &[f64]) -> Option<(usize, usize, f64)> {
+    let size = (residual.len() / 8).max(1);
+    residual
+        .chunks(size)
+        .enumerate()
+        .filter(|(_, part)| part.len() == size)
+        .map(|(i, part)| (i * size, (i + 1) * size - 1, mean(part)))
+        .max_by(|a, b| a.2.total_cmp(&b.2))
+}

@@ -1,0 +1,239 @@
+//! Several recordings of one vehicle as one problem: the vehicle is shared, each road, delay and noise is its own.
+
+use super::layout::Kind;
+use super::model::{Evaluation, Model};
+use crate::identify::likelihood::{End, LEAST_NOISE, Problem, Score, Stop, cost, descend, score};
+use crate::linalg::{C64, CMat, Mat};
+
+/// While noise is raised, e stays within this of 2 and ln μ within that of its start.
+const HELD_EXPONENT: f64 = 0.2;
+const HELD_LN_MU: f64 = 0.25;
+/// Longest steps of e and ln μ, of ln noise, of the logarithms of the vehicle's parameters and S₀, of clocks in s.
+const STEP_ROAD: f64 = 0.4;
+const STEP_NOISE: f64 = 1.5;
+const STEP_VEHICLE: f64 = 0.7;
+const STEP_CLOCK_S: f64 = 0.005;
+/// e is refused outside.
+const EXPONENTS: [f64; 2] = [0.3, 4.0];
+/// ln μ is refused outside.
+const LN_MU: [f64; 2] = [-4.6, 4.6];
+/// ln of the delay's factor: the speed is not 20 % off.
+const LN_DELAY: f64 = 0.2;
+/// A clock is not further off than this, s.
+const CLOCK_S: f64 = 0.2;
+/// Converged: a step gains less than this, and the Newton decrement is below that.
+const GAIN: f64 = 1e-3;
+const DECREMENT: f64 = 0.01;
+/// The same while noise is raised.
+const ROUGH_GAIN: f64 = 0.1;
+const ROUGH_DECREMENT: f64 = 1.0;
+/// Steps while noise is raised, and at the real noise.
+const MAX_STEPS: [usize; 2] = [40, 120];
+
+/// All recordings, and where their parameters stand among all.
+pub(super) struct Joint<'a> {
+    pub models: Vec<Model<'a>>,
+    /// First of each recording's own parameters.
+    pub offsets: Vec<usize>,
+    pub vehicle: usize,
+}
+
+/// The joint problem at one level of raised noise.
+struct Stage<'j, 'a> {
+    joint: &'j Joint<'a>,
+    measured: Vec<Vec<CMat>>,
+    limits: Vec<[f64; 2]>,
+}
+
+/// Where the search ended.
+pub(super) struct Search {
+    pub theta: Vec<f64>,
+    pub score: Score,
+    pub decrement: f64,
+    pub converged: bool,
+    /// Parameters that stand at their limit.
+    pub at_limit: Vec<usize>,
+    pub steps: usize,
+    pub evaluations: usize,
+}
+
+impl<'a> Joint<'a> {
+    pub fn new(models: Vec<Model<'a>>) -> Self {
+        let vehicle = models.first().map_or(0, |m| m.layout.vehicle);
+        let mut next = vehicle;
+        let offsets = models
+            .iter()
+            .map(|m| {
+                let first = next;
+                next += m.layout.len() - vehicle;
+                first
+            })
+            .collect();
+        Joint { models, offsets, vehicle }
+    }
+
+    pub fn len(&self) -> usize {
+        self.vehicle + self.models.iter().map(|m| m.layout.len() - self.vehicle).sum::<usize>()
+    }
+
+    /// Place among all parameters of parameter i of recording r.
+    pub fn place(&self, r: usize, i: usize) -> usize {
+        if i < self.vehicle { i } else { self.offsets[r] + i - self.vehicle }
+    }
+
+    /// The parameters of recording r alone.
+    pub fn local(&self, theta: &[f64], r: usize) -> Vec<f64> {
+        (0..self.models[r].layout.len()).map(|i| theta[self.place(r, i)]).collect()
+    }
+
+    /// Recording and kind of each parameter; the vehicle's belong to the first.
+    pub fn kind(&self, i: usize) -> (usize, Kind) {
+        let r = self.offsets.iter().rposition(|first| *first <= i).unwrap_or(0);
+        let local = if i < self.vehicle { i } else { i - self.offsets[r] + self.vehicle };
+        (if i < self.vehicle { 0 } else { r }, self.models[r].layout.kind(local))
+    }
+
+    /// Cost, gradient and information of all recordings.
+    pub fn score(&self, theta: &[f64], measured: &[Vec<CMat>]) -> Option<Score> {
+        let p = self.len();
+        let (mut total, mut gradient, mut fisher) = (0.0, vec![0.0; p], Mat::zeros(p, p));
+        for (r, model) in self.models.iter().enumerate() {
+            let local = self.local(theta, r);
+            let e: Evaluation = model.evaluate(&local, true).ok()?;
+            let slopes = |bin: usize| model.slopes(&e, &local, bin);
+            let part = score(&e.s, &slopes, &measured[r], model.data.averages, local.len())?;
+            total += part.cost;
+            for a in 0..local.len() {
+                gradient[self.place(r, a)] += part.gradient[a];
+                for b in 0..local.len() {
+                    fisher[(self.place(r, a), self.place(r, b))] += part.fisher[(a, b)];
+                }
+            }
+        }
+        Some(Score { cost: total, gradient, fisher })
+    }
+
+    /// Minimises from a start while the sensors' noise is raised by `annealing`'s factors, one after another (the last
+    /// is 1): a loud floor has a wide basin.
+    pub fn search(&self, start: &[f64], annealing: &[f64]) -> Result<Search, String> {
+        let mut theta = start.to_vec();
+        let (mut evaluations, mut steps, mut last) = (0, 0, None);
+        for (stage, kappa) in annealing.iter().enumerate() {
+            let rough = *kappa > 1.0;
+            let problem = Stage {
+                joint: self,
+                measured: self.models.iter().map(|m| raised(m, kappa - 1.0)).collect(),
+                limits: self.limits(start, rough),
+            };
+            // a stage's floor starts from what was added; the last one goes on from where a search without stages began
+            if rough || stage > 0 {
+                for (r, model) in self.models.iter().enumerate() {
+                    for c in 0..model.layout.channels {
+                        theta[self.place(r, model.layout.noise + c)] =
+                            (kappa * model.data.noise[c]).max(LEAST_NOISE).ln();
+                    }
+                }
+            }
+            theta.iter_mut().zip(&problem.limits).for_each(|(t, l)| *t = t.clamp(l[0], l[1]));
+            let stop = if rough {
+                Stop { max_steps: MAX_STEPS[0], gain: ROUGH_GAIN, decrement: ROUGH_DECREMENT }
+            } else {
+                Stop { max_steps: MAX_STEPS[1], gain: GAIN, decrement: DECREMENT }
+            };
+            let end: End<Stage<'_, '_>> = descend(&problem, theta.clone(), stop)
+                .ok_or("the model's spectrum is not positive definite at the start")?;
+            evaluations += end.evaluations;
+            steps += end.steps;
+            theta.clone_from(&end.at);
+            let at_limit = (0..theta.len())
+                .filter(|i| !matches!(self.kind(*i).1, Kind::Noise(_) | Kind::Clock(_)))
+                .filter(|i| theta[*i] <= problem.limits[*i][0] || theta[*i] >= problem.limits[*i][1])
+                .collect();
+            last = Some(Search {
+                theta: end.at,
+                score: end.score,
+                decrement: end.decrement,
+                converged: end.converged,
+                at_limit,
+                steps,
+                evaluations,
+            });
+        }
+        last.ok_or_else(|| "no stage".to_owned())
+    }
+
+    fn limits(&self, start: &[f64], held: bool) -> Vec<[f64; 2]> {
+        let vehicle = self.models.first().map(|m| m.vehicle.limits()).unwrap_or_default();
+        (0..self.len())
+            .map(|i| match self.kind(i).1 {
+                Kind::Vehicle => vehicle[i].map(f64::ln),
+                Kind::Roughness => [start[i] - 8.0, start[i] + 8.0],
+                Kind::Exponent if held => [2.0 - HELD_EXPONENT, 2.0 + HELD_EXPONENT],
+                Kind::Exponent => EXPONENTS,
+                Kind::Mu if held => [start[i] - HELD_LN_MU, start[i] + HELD_LN_MU],
+                Kind::Mu => LN_MU,
+                Kind::Delay => [-LN_DELAY, LN_DELAY],
+                // the first channel's is the clock that the others are compared with
+                Kind::Clock(0) => [0.0, 0.0],
+                Kind::Clock(_) => [-CLOCK_S, CLOCK_S],
+                Kind::Noise(_) => [LEAST_NOISE.ln(), 1e6f64.ln()],
+            })
+            .collect()
+    }
+}
+
+/// Measured spectra with `share` of each channel's starting noise floor added.
+fn raised(model: &Model<'_>, share: f64) -> Vec<CMat> {
+    let added = |m: &CMat| {
+        CMat::from_fn(m.nrows(), m.ncols(), |i, j| {
+            m[(i, j)] + C64::new(if i == j { share * model.data.noise[i] } else { 0.0 }, 0.0)
+        })
+    };
+    model.data.measured.iter().map(added).collect()
+}
+
+impl Problem for Stage<'_, '_> {
+    type Point = Vec<f64>;
+    type Frame = ();
+
+    fn look(&self, at: &Vec<f64>) -> Option<(Score, ())> {
+        Some((self.joint.score(at, &self.measured)?, ()))
+    }
+
+    fn cost(&self, at: &Vec<f64>) -> Option<f64> {
+        let mut total = 0.0;
+        for (r, model) in self.joint.models.iter().enumerate() {
+            let e = model.evaluate(&self.joint.local(at, r), false).ok()?;
+            total += cost(&e.s, &self.measured[r], model.data.averages)?;
+        }
+        Some(total)
+    }
+
+    /// Parameters that do not stand at a limit with the cost falling outwards.
+    fn free(&self, at: &Vec<f64>, score: &Score) -> Vec<usize> {
+        (0..at.len())
+            .filter(|i| {
+                let [low, high] = self.limits[*i];
+                let pressed =
+                    at[*i] <= low && score.gradient[*i] > 0.0 || at[*i] >= high && score.gradient[*i] < 0.0;
+                low < high && !pressed
+            })
+            .collect()
+    }
+
+    fn clip(&self, step: &mut [f64], (): &()) {
+        for (i, s) in step.iter_mut().enumerate() {
+            let limit = match self.joint.kind(i).1 {
+                Kind::Noise(_) => STEP_NOISE,
+                Kind::Exponent | Kind::Mu => STEP_ROAD,
+                Kind::Clock(_) => STEP_CLOCK_S,
+                _ => STEP_VEHICLE,
+            };
+            *s = s.clamp(-limit, limit);
+        }
+    }
+
+    fn moved(&self, at: &Vec<f64>, (): &(), step: &[f64]) -> Vec<f64> {
+        at.iter().zip(step).zip(&self.limits).map(|((t, s), l)| (t + s).clamp(l[0], l[1])).collect()
+    }
+}

@@ -1,0 +1,175 @@
+//! The track-vehicle interaction modal model with free modes: poles, shapes and the road from spectra, no vehicle file.
+
+mod extra;
+mod model;
+mod modes;
+mod orbit;
+mod outcome;
+mod score;
+mod search;
+
+pub use outcome::{FreeOrder, FreeOutcome, FreeTrial};
+
+use super::likelihood::{BandData, CHI_LIMIT, Drive, FitError, RoadValues, mean, residuals};
+use crate::lti::FirstOrder;
+use crate::signal::CrossSpectra;
+use crate::units::Convention;
+use model::{FreeModel, Point, RATE};
+use search::Found;
+
+/// Noise is raised by these factors, one after another, from a start that may be far off.
+const ANNEALING_FAR: [f64; 3] = [300.0, 15.0, 1.0];
+/// The same from a start that is an answer already.
+const ANNEALING_NONE: [f64; 1] = [1.0];
+/// The same with a mode more.
+const ANNEALING_EXTRA: [f64; 2] = [10.0, 1.0];
+/// Modes that are added to the starts' at most.
+const MOST_EXTRA: usize = 3;
+
+/// What was measured.
+#[derive(Clone, Copy)]
+pub struct FreeDrive<'a> {
+    /// Spectra of the whole recording.
+    pub spectra: &'a CrossSpectra,
+    /// Spectra of equal pieces of the same recording with the same segments (at least 8, or none), to widen intervals by.
+    pub blocks: &'a [CrossSpectra],
+    /// Places of the wheels, m.
+    pub at_m: &'a [[f64; 2]],
+    /// Whether channel i measures displacement (0), velocity (1) or acceleration (2).
+    pub derivatives: &'a [usize],
+    /// What each sensor shows of a road's plane that the vehicle follows: of 1, y and x. \[1, y, x\] for a vertical sensor.
+    pub planes: &'a [[f64; 3]],
+    /// V, m/s.
+    pub speed_m_s: f64,
+    /// Band, Hz.
+    pub band_hz: [f64; 2],
+}
+
+/// Where a search starts.
+#[derive(Debug, Clone)]
+pub struct FreeStart {
+    /// What it was made from.
+    pub name: String,
+    /// Whether it may be far off: noise is then annealed.
+    pub far: bool,
+    /// Displacements of the sensors per road height under the wheels.
+    pub system: FirstOrder,
+    /// S₀.
+    pub roughness_m3: f64,
+    /// e.
+    pub exponent: f64,
+    /// μ, with more than one track.
+    pub mu: Option<f64>,
+}
+
+/// Fits free modes and the road to measured spectra.
+///
+/// Minimises n_avg Σ_k (ln|S(ω_k)| + tr S⁻¹Ŝ(ω_k)) + ½|static misfit/.01|² over all stable systems H(s) = C(sI − A)⁻¹B of an
+/// order, the road (S₀, e, μ, delay) and a noise floor a channel, with S = W * (H* S_r Hᵀ) + N seen through the window's
+/// kernel. H maps road heights under the wheels to displacements at the sensors; it is the modal sum
+/// Σ_n ψ_n L_nᵀ/(iω − λ_n) of the track-vehicle interaction modal model without that poles need be distinct. What
+/// calibrates S₀ without a vehicle: statically a vehicle follows the road, H(0)·(plane at the wheels) = (plane at the
+/// sensors).
+///
+/// Steps are Levenberg–Marquardt's on the Fisher information in the complement of the similarity orbit (order·(channels +
+/// wheels) free parameters). All starts are searched; where the best does not explain the data, modes are added, one by
+/// one, where the residual asks for them most, as long as Bayes' criterion falls.
+///
+/// # Errors
+/// [`FitError`] for what cannot be started. A fit that did not succeed is an outcome with `problems`.
+///
+/// Source: De Filippis et al., *the Track-Vehicle Interaction Modal Model*, eqs. (28)–(61), with the errata of
+/// `docs/`; McKelvey, Helmersson, Ribarits, *Data driven local coordinates*, Automatica 40 (2004) 1629–1635.
+pub fn fit_free_modes(
+    drive: &FreeDrive<'_>,
+    starts: &[FreeStart],
+    convention: Convention,
+) -> Result<FreeOutcome, FitError> {
+    if drive.spectra.channels.len() < 2 {
+        let channel = drive.spectra.channels.first().cloned().unwrap_or_default();
+        return Err(FitError::OneChannel { channel });
+    }
+    let model = FreeModel {
+        data: BandData::new(drive.spectra, drive.band_hz)?,
+        drive: Drive { speed_m_s: drive.speed_m_s, convention },
+        at_m: drive.at_m.to_vec(),
+        derivatives: drive.derivatives.to_vec(),
+        planes: drive.planes.to_vec(),
+    };
+    let mut trials: Vec<(FreeTrial, Found)> = starts
+        .iter()
+        .filter_map(|start| {
+            let annealing: &[f64] = if start.far { &ANNEALING_FAR } else { &ANNEALING_NONE };
+            let found = search::search(&model, &point(&model, start), annealing)?;
+            Some((trial(&model, start.name.clone(), &found), found))
+        })
+        .collect();
+    trials.sort_by(|a, b| a.0.cost.total_cmp(&b.0.cost));
+    let tried: Vec<FreeTrial> = trials.iter().map(|(t, _)| t.clone()).collect();
+    let Some((_, mut best)) = trials.into_iter().next() else {
+        return Err(FitError::Start("no start has a likelihood: are the wheels' places right?".into()));
+    };
+    let mut orders = vec![order(&model, &best)];
+    for _ in 0..MOST_EXTRA {
+        if orders.last().is_some_and(|o| o.chi <= CHI_LIMIT && best.converged) {
+            break;
+        }
+        let Some(candidate) = extra::candidate(&model, &best, drive.band_hz) else { break };
+        let start = Point { system: candidate.system, ..best.at.clone() };
+        let Some(found) = search::search(&model, &start, &ANNEALING_EXTRA) else { break };
+        let next = order(&model, &found);
+        let better = orders.last().is_some_and(|o| next.bic < o.bic);
+        orders.push(next);
+        if !better {
+            break;
+        }
+        best = found;
+    }
+    let chosen = best.at.system.order() / 2;
+    orders.iter_mut().for_each(|o| o.chosen = o.modes == chosen);
+    outcome::outcome(&model, drive, &best, tried, orders).map_err(FitError::Start)
+}
+
+fn point(model: &FreeModel, start: &FreeStart) -> Point {
+    Point {
+        system: start.system.in_time_of(RATE),
+        road: RoadValues {
+            ln_s0: start.roughness_m3.ln(),
+            exponent: start.exponent,
+            mu: start.mu.unwrap_or(0.0),
+            ln_delay: 0.0,
+        },
+        ln_noise: model.data.noise.iter().map(|n| n.ln()).collect(),
+    }
+}
+
+fn chi(model: &FreeModel, found: &Found) -> f64 {
+    residuals(&found.frame.evaluation.s, &model.data.measured, model.data.averages)
+        .map_or(f64::INFINITY, |r| mean(&r))
+}
+
+fn trial(model: &FreeModel, name: String, found: &Found) -> FreeTrial {
+    FreeTrial {
+        name,
+        cost: found.score.cost,
+        chi: chi(model, found),
+        converged: found.converged,
+        steps: found.steps,
+        evaluations: found.evaluations,
+    }
+}
+
+fn order(model: &FreeModel, found: &Found) -> FreeOrder {
+    let parameters = found.score.gradient.len();
+    // as many independent numbers as the band holds in all channels
+    let numbers = model.data.averages * (model.data.omega.len() * model.derivatives.len()) as f64;
+    FreeOrder {
+        modes: found.at.system.order() / 2,
+        parameters,
+        cost: found.score.cost,
+        bic: 2.0 * found.score.cost + parameters as f64 * numbers.ln(),
+        chi: chi(model, found),
+        converged: found.converged,
+        chosen: false,
+    }
+}

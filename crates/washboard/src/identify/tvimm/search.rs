@@ -1,0 +1,243 @@
+//! The search for free modes: Levenberg–Marquardt at right angles to the similarity orbit, from loud noise to the real one.
+
+use super::model::{Evaluation, FreeModel, Point, RATE};
+use super::orbit::{Entries, complement};
+use super::score;
+use crate::identify::likelihood::{End, LEAST_NOISE, Problem, RoadValues, Score, Stop, descend};
+use crate::linalg::{C64, CMat, Mat};
+use crate::lti::FirstOrder;
+
+/// While noise is raised, e stays within this of 2 and ln μ within that of its start.
+const HELD_EXPONENT: f64 = 0.2;
+const HELD_LN_MU: f64 = 0.25;
+/// e, ln μ and the logarithm of the delay's factor are refused outside.
+const EXPONENTS: [f64; 2] = [0.3, 4.0];
+const LN_MU: [f64; 2] = [-4.6, 4.6];
+const LN_DELAY: f64 = 0.2;
+/// ln S₀ from its start.
+const LN_S0: f64 = 8.0;
+/// Longest steps: of an entry of the balanced state space, of e and ln μ, of ln S₀ and the delay, of ln noise.
+const STEP_ENTRY: f64 = 0.5;
+const STEP_ROAD: f64 = 0.4;
+const STEP_LEVEL: f64 = 0.7;
+const STEP_NOISE: f64 = 1.5;
+/// Converged: a step gains less than this, and the Newton decrement is below that.
+const GAIN: f64 = 1e-3;
+const DECREMENT: f64 = 0.05;
+/// The same while noise is raised.
+const ROUGH_GAIN: f64 = 0.5;
+const ROUGH_DECREMENT: f64 = 3.0;
+/// Steps while noise is raised, and at the real noise.
+const MAX_STEPS: [usize; 2] = [40, 150];
+
+/// One level of raised noise.
+pub(super) struct Stage<'m> {
+    pub model: &'m FreeModel,
+    measured: Vec<CMat>,
+    limits: [[f64; 2]; 4],
+}
+
+/// The coordinates at a point.
+pub(super) struct Frame {
+    /// Entries × free.
+    pub basis: Mat,
+    entries: Entries,
+    pub evaluation: Evaluation,
+    /// Diagonal of the entries' information.
+    diagonal: Vec<f64>,
+}
+
+/// Where a search ended.
+pub(super) struct Found {
+    pub at: Point,
+    pub score: Score,
+    pub frame: Frame,
+    pub decrement: f64,
+    pub converged: bool,
+    pub steps: usize,
+    pub evaluations: usize,
+}
+
+/// Minimises from a start while noise is raised by `annealing`'s factors, one after another (the last is 1).
+pub(super) fn search(model: &FreeModel, start: &Point, annealing: &[f64]) -> Option<Found> {
+    let mut at = start.clone();
+    let (mut steps, mut evaluations, mut last) = (0, 0, None);
+    for (index, kappa) in annealing.iter().enumerate() {
+        let rough = *kappa > 1.0;
+        let stage =
+            Stage { model, measured: raised(model, kappa - 1.0), limits: limits(model, &start.road, rough) };
+        if rough || index > 0 {
+            at.ln_noise = model.data.noise.iter().map(|n| (kappa * n).max(LEAST_NOISE).ln()).collect();
+        }
+        at.road = stage.clamped(at.road);
+        at.system = at.system.balanced(at.system.order()).ok()?.0;
+        let stop = if rough {
+            Stop { max_steps: MAX_STEPS[0], gain: ROUGH_GAIN, decrement: ROUGH_DECREMENT }
+        } else {
+            Stop { max_steps: MAX_STEPS[1], gain: GAIN, decrement: DECREMENT }
+        };
+        let end: End<Stage<'_>> = descend(&stage, at.clone(), stop)?;
+        steps += end.steps;
+        evaluations += end.evaluations;
+        at = end.at.clone();
+        last = Some(Found {
+            at: end.at,
+            score: end.score,
+            frame: end.frame,
+            decrement: end.decrement,
+            converged: end.converged,
+            steps,
+            evaluations,
+        });
+    }
+    last
+}
+
+fn raised(model: &FreeModel, share: f64) -> Vec<CMat> {
+    let added = |m: &CMat| {
+        CMat::from_fn(m.nrows(), m.ncols(), |i, j| {
+            m[(i, j)] + C64::new(if i == j { share * model.data.noise[i] } else { 0.0 }, 0.0)
+        })
+    };
+    model.data.measured.iter().map(added).collect()
+}
+
+fn limits(model: &FreeModel, start: &RoadValues, held: bool) -> [[f64; 2]; 4] {
+    let around = |x: f64, by: f64| [x - by, x + by];
+    let differs = |axis: usize| model.at_m.iter().any(|p| (p[axis] - model.at_m[0][axis]).abs() > 1e-9);
+    let fixed = |free: bool, limits: [f64; 2], at: f64| if free { limits } else { [at, at] };
+    let ln_mu = start.mu.max(1e-9).ln();
+    [
+        around(start.ln_s0, LN_S0),
+        if held { around(2.0, HELD_EXPONENT) } else { EXPONENTS },
+        fixed(differs(1), if held { around(ln_mu, HELD_LN_MU) } else { LN_MU }, ln_mu),
+        fixed(differs(0), [-LN_DELAY, LN_DELAY], 0.0),
+    ]
+}
+
+fn coordinates(road: &RoadValues) -> [f64; 4] {
+    [road.ln_s0, road.exponent, road.mu.max(1e-9).ln(), road.ln_delay]
+}
+
+impl Stage<'_> {
+    fn clamped(&self, road: RoadValues) -> RoadValues {
+        let mut x = coordinates(&road);
+        x.iter_mut().zip(&self.limits).for_each(|(x, l)| *x = x.clamp(l[0], l[1]));
+        RoadValues { ln_s0: x[0], exponent: x[1], mu: x[2].exp(), ln_delay: x[3] }
+    }
+
+    /// The cost of a system that is stable.
+    fn evaluate(&self, at: &Point) -> Option<Evaluation> {
+        let stable = at.system.poles().ok()?.iter().all(|p| p.re < 0.0);
+        if stable { self.model.evaluate(at) } else { None }
+    }
+
+    /// From gradients by entries, road and noise to one in local coordinates.
+    pub fn project(frame: &Frame, full: &[f64]) -> Vec<f64> {
+        let e = frame.entries.len();
+        let z = frame.basis.transpose() * Mat::from_fn(e, 1, |i, _| full[i]);
+        (0..z.nrows()).map(|i| z[(i, 0)]).chain(full[e..].iter().copied()).collect()
+    }
+}
+
+impl Problem for Stage<'_> {
+    type Point = Point;
+    type Frame = Frame;
+
+    fn look(&self, at: &Point) -> Option<(Score, Frame)> {
+        let evaluation = self.evaluate(at)?;
+        let full = score::full(self.model, &evaluation, &self.measured, at)?;
+        let entries = Entries::of(&at.system);
+        let basis = complement(&at.system).ok()?;
+        let (e, free, p) = (entries.len(), basis.ncols(), full.gradient.len());
+        let diagonal = (0..e).map(|i| full.fisher[(i, i)]).collect();
+        let wide = basis.transpose() * full.fisher.submatrix(0, 0, e, p);
+        let core = wide.submatrix(0, 0, free, e) * &basis;
+        let size = free + p - e;
+        let fisher = Mat::from_fn(size, size, |i, j| match (i < free, j < free) {
+            (true, true) => 0.5 * (core[(i, j)] + core[(j, i)]),
+            (true, false) => wide[(i, e + j - free)],
+            (false, true) => wide[(j, e + i - free)],
+            (false, false) => full.fisher[(e + i - free, e + j - free)],
+        });
+        let frame = Frame { basis, entries, evaluation, diagonal };
+        let gradient = Stage::project(&frame, &full.gradient);
+        Some((Score { cost: full.cost, gradient, fisher }, frame))
+    }
+
+    fn cost(&self, at: &Point) -> Option<f64> {
+        score::cost(self.model, &self.evaluate(at)?, &self.measured, at)
+    }
+
+    fn free(&self, at: &Point, score: &Score) -> Vec<usize> {
+        let first = score.gradient.len() - 4 - at.ln_noise.len();
+        let road = coordinates(&at.road);
+        (0..score.gradient.len())
+            .filter(|i| {
+                if *i < first || *i >= first + 4 {
+                    return true;
+                }
+                let (x, [low, high]) = (road[i - first], self.limits[i - first]);
+                let g = score.gradient[*i];
+                low < high && !(x <= low && g > 0.0 || x >= high && g < 0.0)
+            })
+            .collect()
+    }
+
+    fn metric(&self, score: &Score, frame: &Frame) -> Option<Mat> {
+        let free = frame.basis.ncols();
+        let weighted = Mat::from_fn(frame.entries.len(), free, |i, j| {
+            frame.basis[(i, j)] * frame.diagonal[i].max(0.0).sqrt()
+        });
+        let core = weighted.transpose() * &weighted;
+        let size = score.gradient.len();
+        Some(Mat::from_fn(size, size, |i, j| {
+            if i < free && j < free {
+                core[(i, j)]
+            } else if i == j {
+                score.fisher[(i, i)]
+            } else {
+                0.0
+            }
+        }))
+    }
+
+    fn clip(&self, step: &mut [f64], frame: &Frame) {
+        let free = frame.basis.ncols();
+        let entries = &frame.basis * Mat::from_fn(free, 1, |i, _| step[i]);
+        let shrink = (STEP_ENTRY / entries.norm_max().max(f64::MIN_POSITIVE)).min(1.0);
+        for (i, s) in step.iter_mut().enumerate() {
+            if i < free {
+                *s *= shrink;
+                continue;
+            }
+            let limit = match i - free {
+                0 | 3 => STEP_LEVEL,
+                1 | 2 => STEP_ROAD,
+                _ => STEP_NOISE,
+            };
+            *s = s.clamp(-limit, limit);
+        }
+    }
+
+    fn moved(&self, at: &Point, frame: &Frame, step: &[f64]) -> Point {
+        let free = frame.basis.ncols();
+        let change = &frame.basis * Mat::from_fn(free, 1, |i, _| step[i]);
+        let system: FirstOrder = frame.entries.moved(&at.system, |k| change[(k, 0)]);
+        let x = coordinates(&at.road);
+        let road = self.clamped(RoadValues {
+            ln_s0: x[0] + step[free],
+            exponent: x[1] + step[free + 1],
+            mu: (x[2] + step[free + 2]).exp(),
+            ln_delay: x[3] + step[free + 3],
+        });
+        let noise = at.ln_noise.iter().zip(&step[free + 4..]);
+        let ln_noise = noise.map(|(n, s)| (n + s).clamp(LEAST_NOISE.ln(), 1e6f64.ln())).collect();
+        Point { system, road, ln_noise }
+    }
+}
+
+/// The system in s instead of scaled time.
+pub(super) fn in_seconds(system: &FirstOrder) -> FirstOrder {
+    system.in_time_of(1.0 / RATE)
+}

@@ -1,0 +1,140 @@
+//! Dampers with curves in simulated drives: a straight line is the linear vehicle, and every curve obeys Newton.
+
+use washboard::cases;
+use washboard::road::{Coherence, Road};
+use washboard::signal::{Channel, Direction, Place, Quantity, Recording};
+use washboard::vehicle::{
+    DamperCurve, DriveSettings, Flaws, LeftRight, QuarterCar, Vehicle, VehicleSpec, drive, simulate,
+};
+
+pub fn channel(quantity: Quantity, place: Place, wheel: usize) -> (Channel, Flaws) {
+    let name = format!("{}_{}_{wheel}", quantity.name(), if place == Place::Body { "b" } else { "u" });
+    let (direction, wheel) = (Direction::PlusZ, Some(wheel));
+    (Channel { name, quantity, direction, place, wheel, at_m: None }, Flaws::default())
+}
+
+/// Digressive, and stiffer in rebound.
+pub fn curve() -> DamperCurve {
+    DamperCurve::new(vec![[-0.5, -1500.0], [-0.1, -700.0], [0.0, 0.0], [0.1, 350.0], [0.5, 750.0]]).unwrap()
+}
+
+fn record(vehicle: &Vehicle, road: &Road, sensors: &[(Channel, Flaws)], rate_hz: f64) -> Recording {
+    let settings = DriveSettings { speed_m_s: 20.0, duration_s: 20.0, rate_hz, seed: 5 };
+    simulate(vehicle, road, sensors, &settings).unwrap()
+}
+
+/// Curves that are straight lines of another slope than the file's damping, against the linear car of that slope: left
+/// and right, two axles, delays and coherence in it.
+#[test]
+fn a_straight_line_is_the_linear_vehicle() {
+    let mut spec = cases::vehicle_spec("guiggiani-full-car").unwrap();
+    let road = cases::road("iso8608-c").unwrap().with_coherence(Coherence::bogsjo(3.8).unwrap());
+    let line = |c: f64| DamperCurve::new(vec![[-1.0, -c], [0.1, 0.1 * c], [0.2, 0.2 * c]]).unwrap();
+    let car = spec.full_car.as_mut().unwrap();
+    car.front.damper_curve = Some(line(1900.0));
+    car.rear.damper_curve = Some(line(900.0));
+    let curved = spec.build_alone().unwrap();
+    let car = spec.full_car.as_mut().unwrap();
+    (car.front.damper_curve, car.rear.damper_curve) = (None, None);
+    car.front.suspension_damping_n_s_per_m = LeftRight::Both(1900.0);
+    car.rear.suspension_damping_n_s_per_m = LeftRight::Both(900.0);
+    let linear = spec.build_alone().unwrap();
+    assert!(linear.dampers().is_empty() && curved.dampers().len() == 4);
+    let mut sensors: Vec<_> = (0..4)
+        .flat_map(|w| [Place::Body, Place::Hub].map(|p| channel(Quantity::Acceleration, p, w)))
+        .collect();
+    sensors.push(channel(Quantity::Displacement, Place::Suspension, 2));
+    let (a, b) = (record(&curved, &road, &sensors, 200.0), record(&linear, &road, &sensors, 200.0));
+    for ((x, y), (c, _)) in a.samples().iter().zip(b.samples()).zip(&sensors) {
+        let sum = |f: &dyn Fn(f64, f64) -> f64| -> f64 { x.iter().zip(y).map(|(p, q)| f(*p, *q)).sum() };
+        let off = (sum(&|p, q| (p - q) * (p - q)) / sum(&|_, q| q * q)).sqrt();
+        assert!(off < 1e-6, "{}: {off:e}", c.name);
+    }
+    // with_damping is that linear vehicle too
+    let (same, n) = (curved.with_damping(&[1900.0, 1900.0, 900.0, 900.0]).unwrap(), 7);
+    for i in 0..n {
+        for j in 0..n {
+            let (p, q) = (same.system().c()[(i, j)], linear.system().c()[(i, j)]);
+            assert!((p - q).abs() < 1e-9, "C[{i}{j}] {p} {q}");
+        }
+    }
+}
+
+pub fn quarter() -> QuarterCar {
+    QuarterCar {
+        sprung_mass_kg: 240.0,
+        unsprung_mass_kg: 36.0,
+        suspension_stiffness_n_per_m: 16e3,
+        suspension_damping_n_s_per_m: 1400.0,
+        tire_stiffness_n_per_m: 160e3,
+        tire_damping_n_s_per_m: 50.0,
+        damper_curve: Some(curve()),
+    }
+}
+
+/// m_s z̈_s = k_s d + F(ḋ) with the hub's travel d towards the body, sample by sample.
+#[test]
+fn the_body_obeys_newton() {
+    let car = quarter();
+    let vehicle = VehicleSpec::from(car.clone()).build_alone().unwrap();
+    let road = cases::road("iso8608-d").unwrap();
+    let sensors = [
+        channel(Quantity::Acceleration, Place::Body, 0),
+        channel(Quantity::Displacement, Place::Suspension, 0),
+        channel(Quantity::Velocity, Place::Suspension, 0),
+    ];
+    // anti-aliasing rounds the force's kinks within a sample: a share that falls as rate^(-3/2), 8e-4 at 2 kHz
+    let settings = DriveSettings { speed_m_s: 20.0, duration_s: 5.0, rate_hz: 8000.0, seed: 2 };
+    let found = drive(&vehicle, &road, &sensors, &settings).unwrap();
+    assert!(found.step_error.unwrap() < 1e-5);
+    let [acceleration, travel, velocity] = [0, 1, 2].map(|i| &found.recording.samples()[i]);
+    let (mut off, mut size, mut linear) = (0.0, 0.0, 0.0);
+    for ((a, d), v) in acceleration.iter().zip(travel).zip(velocity) {
+        let force = car.suspension_stiffness_n_per_m * d + curve().force(*v);
+        off += (car.sprung_mass_kg * a - force).powi(2);
+        size += force * force;
+        linear += (force - car.suspension_stiffness_n_per_m * d - 1400.0 * v).powi(2);
+    }
+    assert!((off / size).sqrt() < 2e-4, "{:e} of the force", (off / size).sqrt());
+    // and the curve matters here
+    assert!((linear / size).sqrt() > 0.3, "{:e}", (linear / size).sqrt());
+}
+
+/// What the last halving changed bounds the error: the same drive recorded twice as densely (other steps) agrees.
+#[test]
+fn steps_do_not_show() {
+    let vehicle = VehicleSpec::from(quarter()).build_alone().unwrap();
+    let road = cases::road("iso8608-d").unwrap();
+    let sensors = [channel(Quantity::Acceleration, Place::Hub, 0)];
+    let one = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        let settings = DriveSettings { speed_m_s: 20.0, duration_s: 10.0, rate_hz: 200.0, seed: 2 };
+        pool.install(|| drive(&vehicle, &road, &sensors, &settings).unwrap())
+    };
+    let found = one(1);
+    assert_eq!(found, one(3));
+    assert!(found.step_error.unwrap() < 1e-5);
+}
+
+#[test]
+fn a_curve_that_is_none_is_refused_with_its_field() {
+    let text = |curve: &str| {
+        let text = format!(
+            "model = \"quarter-car\"\n[quarter-car]\nsprung_mass_kg = 240.0\nunsprung_mass_kg = 36.0\n\
+             suspension_stiffness_n_per_m = 16e3\nsuspension_damping_n_s_per_m = 980.0\n\
+             tire_stiffness_n_per_m = 160e3\ndamper_curve = {curve}\n"
+        );
+        washboard::files::parse_toml::<VehicleSpec>(&text, std::path::Path::new("v.toml")).unwrap()
+    };
+    let good = text("[[-1.0, -900.0], [1.0, 500.0]]");
+    assert_eq!(good.build_alone().unwrap().dampers().len(), 1);
+    let e = text("[[1.0, -900.0], [-1.0, 500.0]]").build_alone().unwrap_err().to_string();
+    assert!(e.starts_with("quarter-car.damper_curve: expected velocities that ascend"), "{e}");
+    let mut half = cases::vehicle_spec("turkay-half-car").unwrap();
+    let car = half.half_car.as_mut().unwrap();
+    car.rear.damper_curve = Some(curve());
+    assert_eq!(half.build_alone().unwrap().dampers().len(), 1);
+    half.half_car.as_mut().unwrap().variant = washboard::vehicle::HalfCarVariant::AsPrinted;
+    let e = half.build_alone().unwrap_err().to_string();
+    assert!(e.contains("rear.damper_curve: expected variant = \"corrected\""), "{e}");
+}
