@@ -37,7 +37,8 @@ fn main() {
     };
     let bell = |x: &[Vec<f64>]| -> Vec<Found> {
         let found = fdd(x, rate, &FddSettings::default()).unwrap();
-        let damped = found.modes.iter().filter_map(|m| Some((m.freq_hz, m.freq_sd_hz, m.damping?, m.damping_sd)));
+        let damped =
+            found.modes.iter().filter_map(|m| Some((m.freq_hz, m.freq_sd_hz, m.damping?, m.damping_sd)));
         damped.collect()
     };
     type Method<'a> = (&'a str, &'a (dyn Fn(&[Vec<f64>]) -> Vec<Found> + Sync));
@@ -49,7 +50,10 @@ fn main() {
             (0..seeds).map(|seed| method(&structure.simulate(seed, samples, 0.05))).collect();
         let seconds = start.elapsed().as_secs_f64() / seeds as f64;
         let total: usize = all.iter().map(Vec::len).sum();
-        println!("{name}: {:.2} modes a record, {seconds:.3} s with its simulation", total as f64 / seeds as f64);
+        println!(
+            "{name}: {:.2} modes a record, {seconds:.3} s with its simulation",
+            total as f64 / seeds as f64
+        );
         for &(f, zeta) in &structure.modes {
             report(f, zeta, &all);
         }

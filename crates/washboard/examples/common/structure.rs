@@ -19,12 +19,8 @@ pub struct Structure {
 impl Structure {
     /// Light and medium modes, a damped one: four channels.
     pub fn mixed() -> Self {
-        let shapes = [
-            [1.0, 0.5, 1.0, -0.7],
-            [0.8, -1.0, -0.6, 1.0],
-            [-0.3, 0.9, -1.0, 0.2],
-            [-0.9, -0.7, 0.4, -0.5],
-        ];
+        let shapes =
+            [[1.0, 0.5, 1.0, -0.7], [0.8, -1.0, -0.6, 1.0], [-0.3, 0.9, -1.0, 0.2], [-0.9, -0.7, 0.4, -0.5]];
         Self {
             rate_hz: 40.0,
             modes: vec![(1.5, 0.02), (3.1, 0.01), (6.0, 0.03), (10.0, 0.10)],
@@ -55,9 +51,7 @@ impl Structure {
         let mut channels = vec![vec![0.0; samples]; self.shapes.len()];
         for k in 0..self.modes.len() {
             let (step, root, start) = self.step(k);
-            let draw = |l: &Mat, w: [f64; 2]| {
-                [l[(0, 0)] * w[0], l[(1, 0)] * w[0] + l[(1, 1)] * w[1]]
-            };
+            let draw = |l: &Mat, w: [f64; 2]| [l[(0, 0)] * w[0], l[(1, 0)] * w[0] + l[(1, 1)] * w[1]];
             let mut x = draw(&start, [normal(), normal()]);
             for t in 0..samples {
                 for (channel, shape) in channels.iter_mut().zip(&self.shapes) {

@@ -5,8 +5,8 @@ mod decomposition;
 mod peaks;
 
 use super::operational::{
-    OperationalError, Rejected, ShapeComponent, jackknife, largest_one, mean_phase_deg, mean_phase_deviation_deg, normalise,
-    phase_collinearity, require,
+    OperationalError, Rejected, ShapeComponent, jackknife, largest_one, mean_phase_deg,
+    mean_phase_deviation_deg, normalise, phase_collinearity, require,
 };
 use crate::signal::CorrelationError;
 use crate::units::per_hz_from_two_sided;

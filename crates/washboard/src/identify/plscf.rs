@@ -6,8 +6,8 @@ mod residues;
 mod spectra;
 
 use super::operational::{
-    Mode, OperationalError, OrderModel, Record, Rejected, Resampling, StabilitySettings, StabilizationDiagram, Start,
-    deviations, diagram, modes, require,
+    Mode, OperationalError, OrderModel, Record, Rejected, Resampling, StabilitySettings,
+    StabilizationDiagram, Start, deviations, diagram, modes, require,
 };
 use crate::linalg::C64;
 use crate::signal::{CorrelationError, Correlations};
@@ -136,8 +136,7 @@ pub fn plscf(
     }
     let (mut clusters, rejected) = modes(&diagram, &record.rms, &settings.stability);
     residues::reshape(&mut clusters, &models, &diagram, &record, &window, settings);
-    let again =
-        |lambda: &Correlations, starts: &[Start]| refit(lambda, starts, rate_hz, &window, settings);
+    let again = |lambda: &Correlations, starts: &[Start]| refit(lambda, starts, rate_hz, &window, settings);
     deviations(&mut clusters, &diagram, &record, REFITTED, Resampling::Jackknife, again)?;
     let modes = clusters.into_iter().map(|c| c.mode).collect();
     Ok(PlscfOutcome { modes, rejected, diagram: diagram.in_units(&record.rms), factorisations })
@@ -193,11 +192,13 @@ fn refit(
     let mut denominators: BTreeMap<usize, Option<Denominator>> = BTreeMap::new();
     let find = |(order, pole): &Start| {
         let denominator = denominators.entry(*order).or_insert_with(|| {
-            (*order <= normal.max_order()).then(|| Denominator::new(&normal, *order, settings.constraint).ok())?
+            (*order <= normal.max_order())
+                .then(|| Denominator::new(&normal, *order, settings.constraint).ok())?
         });
         let mu = denominator.as_ref()?.root_near((pole / rate_hz - window.beta).exp())?;
         let found = (mu.ln() + window.beta) * rate_hz;
-        ((found - pole).norm() <= LOST * settings.stability.frequency_tolerance * pole.norm()).then_some(found)
+        ((found - pole).norm() <= LOST * settings.stability.frequency_tolerance * pole.norm())
+            .then_some(found)
     };
     starts.iter().map(find).collect()
 }

@@ -3,8 +3,8 @@
 mod subspace;
 
 use super::operational::{
-    Mode, OperationalError, OrderModel, Record, Rejected, Resampling, StabilitySettings, StabilizationDiagram, Start,
-    deviations, diagram, modes, nearest_pole, require,
+    Mode, OperationalError, OrderModel, Record, Rejected, Resampling, StabilitySettings,
+    StabilizationDiagram, Start, deviations, diagram, modes, nearest_pole, require,
 };
 use crate::linalg::C64;
 use crate::signal::{CorrelationError, Correlations};
@@ -34,12 +34,7 @@ pub struct SsiSettings {
 
 impl Default for SsiSettings {
     fn default() -> Self {
-        Self {
-            block_rows: 50,
-            min_order: 2,
-            max_order: 60,
-            stability: StabilitySettings::default(),
-        }
+        Self { block_rows: 50, min_order: 2, max_order: 60, stability: StabilitySettings::default() }
     }
 }
 
@@ -102,7 +97,11 @@ pub struct SsiOutcome {
 /// assert!((outcome.modes[0].damping - 0.05).abs() < 0.01);
 /// # Ok::<(), washboard::identify::OperationalError>(())
 /// ```
-pub fn ssi_cov(channels: &[Vec<f64>], rate_hz: f64, settings: &SsiSettings) -> Result<SsiOutcome, OperationalError> {
+pub fn ssi_cov(
+    channels: &[Vec<f64>],
+    rate_hz: f64,
+    settings: &SsiSettings,
+) -> Result<SsiOutcome, OperationalError> {
     check(channels.len(), rate_hz, settings)?;
     let record = Record::new(channels, rate_hz, 2 * settings.block_rows - 1)?;
     let subspace = Subspace::new(&record.lambda, settings.block_rows)?;
@@ -115,7 +114,9 @@ pub fn ssi_cov(channels: &[Vec<f64>], rate_hz: f64, settings: &SsiSettings) -> R
         .collect::<Result<_, _>>()?;
     let diagram = diagram(&models, &record, &settings.stability);
     let (mut clusters, rejected) = modes(&diagram, &record.rms, &settings.stability);
-    let again = |lambda: &Correlations, starts: &[Start]| refit(&subspace, lambda, starts, &settings.stability, rate_hz);
+    let again = |lambda: &Correlations, starts: &[Start]| {
+        refit(&subspace, lambda, starts, &settings.stability, rate_hz)
+    };
     deviations(&mut clusters, &diagram, &record, REFITTED, Resampling::Bootstrap, again)?;
     let modes = clusters.into_iter().map(|c| c.mode).collect();
     let diagram = diagram.in_units(&record.rms);

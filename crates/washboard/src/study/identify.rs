@@ -2,7 +2,7 @@
 
 use super::identify_outcome::{ChannelSummary, Flag, IdentifyOutcome, RecordingSummary};
 use super::{
-    IdentifyMethod, IdentifySpec, Input, StudyError, identify_physical, identify_ssi, load_vehicle,
+    IdentifyMethod, IdentifySpec, Input, StudyError, identify_operational, identify_physical, load_vehicle,
     spectra_plot,
 };
 use crate::files::FileError;
@@ -116,7 +116,7 @@ pub fn identify_recording(
     };
     let (mut outcome, files) = match (spec.method, vehicle) {
         (IdentifyMethod::Physical, Some((file, start))) => identify_physical::run(&task, file, start)?,
-        _ => (identify_ssi::run(&task)?, Vec::new()),
+        (method, _) => (identify_operational::run(&task, method, spec.segment_s)?, Vec::new()),
     };
     outcome.flags.extend(common_flags(&task));
     Ok((outcome, files))
@@ -133,7 +133,7 @@ fn band(recording: &Recording, spec: &IdentifySpec) -> Result<[f64; 2], StudyErr
         }
         return Ok([low, high]);
     }
-    if spec.method == IdentifyMethod::Ssi {
+    if spec.method.is_operational() {
         return Ok([0.0, BAND_HZ[1].min(0.8 * nyquist)]);
     }
     // the edges of a described road are not sharp to a window: stay inside

@@ -99,7 +99,7 @@ impl IdentifySpec {
     pub fn check(&self) -> Result<(), StudyError> {
         if !self.method.exists() {
             let name = self.method.name().to_owned();
-            let instead = "this version has `physical` and `ssi`";
+            let instead = "this version has `physical`, `ssi`, `plscf` and `fdd`";
             return Err(StudyError::NotYet { field: "method", name, instead });
         }
         let setting = |field, expected: &str, found| {
@@ -131,9 +131,9 @@ pub enum IdentifyMethod {
     Ssi,
     /// The track-vehicle interaction modal model: to come.
     Tvimm,
-    /// The poly-reference least-squares complex frequency estimator: to come.
+    /// The poly-reference least-squares complex frequency estimator.
     Plscf,
-    /// Frequency-domain decomposition: to come.
+    /// Frequency-domain decomposition with enhanced damping.
     Fdd,
 }
 
@@ -162,7 +162,13 @@ impl IdentifyMethod {
     /// Whether this version has it.
     #[must_use]
     pub fn exists(self) -> bool {
-        matches!(self, IdentifyMethod::Physical | IdentifyMethod::Ssi)
+        self == IdentifyMethod::Physical || self.is_operational()
+    }
+
+    /// Whether it is operational modal analysis: a structure under white forces, and no vehicle.
+    #[must_use]
+    pub fn is_operational(self) -> bool {
+        matches!(self, IdentifyMethod::Ssi | IdentifyMethod::Plscf | IdentifyMethod::Fdd)
     }
 }
 

@@ -120,7 +120,9 @@ impl Bell {
             let step = [measured[0] - model[0], measured[1] - model[1]];
             guess = [guess[0] + step[0], guess[1] + step[1]];
             if !(guess[0] > 0.0 && guess[1] > 0.0) {
-                return Err("its damping cannot be had: the bell decays no faster than the window alone".into());
+                return Err(
+                    "its damping cannot be had: the bell decays no faster than the window alone".into()
+                );
             }
             if step[0].hypot(step[1]) <= CONVERGED * guess[1] {
                 let omega = guess[0].hypot(guess[1]);

@@ -40,8 +40,9 @@ pub(super) fn judge(
 ) -> (Vec<Peak>, Vec<Rejected>) {
     let curve: Vec<f64> = whole.first().iter().map(|s| s.max(f64::MIN_POSITIVE).ln()).collect();
     let sigma = 1.0 / whole.averages.sqrt();
-    let maxima: Vec<usize> =
-        (FIRST_BIN..curve.len() - 1).filter(|&k| curve[k] > curve[k - 1] && curve[k] >= curve[k + 1]).collect();
+    let maxima: Vec<usize> = (FIRST_BIN..curve.len() - 1)
+        .filter(|&k| curve[k] > curve[k - 1] && curve[k] >= curve[k + 1])
+        .collect();
     let (mut clear, mut left_out): (Vec<(usize, f64)>, Vec<(usize, Reason, String)>) = Default::default();
     for k in maxima {
         let prominence = prominence(&curve, k) / sigma;
@@ -115,12 +116,7 @@ fn width(curve: &[f64], peak: usize, whole: &Decomposition) -> f64 {
 }
 
 /// Why a clear peak is no mode.
-fn refused(
-    peak: &Peak,
-    whole: &Decomposition,
-    blocks: &Blocks,
-    curve: &[f64],
-) -> Option<(Reason, String)> {
+fn refused(peak: &Peak, whole: &Decomposition, blocks: &Blocks, curve: &[f64]) -> Option<(Reason, String)> {
     let bin_hz = whole.freq_hz[1] - whole.freq_hz[0];
     let bins = (peak.width_hz / bin_hz).hypot(WINDOW_WIDTH);
     if bins < NARROW * WINDOW_WIDTH {
@@ -134,10 +130,8 @@ fn refused(
         }
     }
     if peak.last - peak.first + 1 < FEWEST_BINS {
-        let why = format!(
-            "its shape holds over {} bins, {FEWEST_BINS} are needed",
-            peak.last - peak.first + 1
-        );
+        let why =
+            format!("its shape holds over {} bins, {FEWEST_BINS} are needed", peak.last - peak.first + 1);
         return Some((Reason::NarrowDomain, why));
     }
     // a resonance falls to both sides of its peak within its bell, by half at least
@@ -145,7 +139,8 @@ fn refused(
     let (left, right) = ((peak.first..peak.bin).any(half), (peak.bin + 1..=peak.last).any(half));
     if !(left && right) {
         let side = if left { "above" } else { "below" };
-        let why = format!("not the form of a resonance: with its shape it does not fall to half {side} its peak");
+        let why =
+            format!("not the form of a resonance: with its shape it does not fall to half {side} its peak");
         return Some((Reason::NotAPeak, why));
     }
     None

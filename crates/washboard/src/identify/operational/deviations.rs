@@ -1,9 +1,9 @@
 //! Standard deviations by fitting again: without one block of the recording after the other, or to blocks drawn anew.
 
+use super::OperationalError;
 use super::clusters::{Cluster, median};
 use super::record::Record;
 use super::stabilization::StabilizationDiagram;
-use super::OperationalError;
 use crate::linalg::C64;
 use crate::signal::{Correlations, correlations};
 use rand::{Rng, SeedableRng};
@@ -104,8 +104,7 @@ pub(in crate::identify) fn deviations<F>(
 where
     F: Fn(&Correlations, &[Start]) -> Vec<Option<C64>> + Sync,
 {
-    let starts: Vec<Vec<Start>> =
-        clusters.iter().map(|c| chosen(&c.members, diagram, most_orders)).collect();
+    let starts: Vec<Vec<Start>> = clusters.iter().map(|c| chosen(&c.members, diagram, most_orders)).collect();
     let all = starts.concat();
     if all.is_empty() {
         return Ok(());
@@ -157,10 +156,7 @@ fn medians(found: &[Option<C64>], asked: usize) -> Option<[f64; 2]> {
     if 2 * poles.len() < asked.max(1) {
         return None;
     }
-    Some([
-        median(poles.iter().map(|l| l.norm() / TAU)),
-        median(poles.iter().map(|l| -l.re / l.norm())),
-    ])
+    Some([median(poles.iter().map(|l| l.norm() / TAU)), median(poles.iter().map(|l| -l.re / l.norm()))])
 }
 
 /// √((B − 1)/B Σ_b (x_b − x̄)²) of the values without each block.

@@ -10,7 +10,9 @@ mod stabilization;
 
 pub use clusters::{Mode, Reason, Rejected};
 pub use settings::StabilitySettings;
-pub use shape::{ShapeComponent, mean_phase_deg, mean_phase_deviation_deg, modal_assurance, phase_collinearity};
+pub use shape::{
+    ShapeComponent, mean_phase_deg, mean_phase_deviation_deg, modal_assurance, phase_collinearity,
+};
 pub use stabilization::{Pole, PoleStatus, StabilizationDiagram};
 
 pub(super) use clusters::{Cluster, modes};

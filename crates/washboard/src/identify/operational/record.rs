@@ -63,7 +63,6 @@ pub(super) fn lag_weight(k: usize, lags: usize) -> f64 {
     0.5 + 0.5 * (std::f64::consts::PI * k as f64 / lags as f64).cos()
 }
 
-
 /// Channels without their means and divided by their rms; and these rms.
 pub(in crate::identify) fn normalise(
     channels: &[Vec<f64>],

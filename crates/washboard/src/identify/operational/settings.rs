@@ -45,10 +45,9 @@ impl StabilitySettings {
     pub(in crate::identify) fn check(&self, rate_hz: f64) -> Result<(), OperationalError> {
         let positive = |x: f64| x.is_finite() && x > 0.0;
         require(positive(rate_hz), "rate_hz", "a positive number", rate_hz)?;
-        for (field, value) in [
-            ("frequency_tolerance", self.frequency_tolerance),
-            ("damping_tolerance", self.damping_tolerance),
-        ] {
+        for (field, value) in
+            [("frequency_tolerance", self.frequency_tolerance), ("damping_tolerance", self.damping_tolerance)]
+        {
             require(positive(value), field, "a positive number", value)?;
         }
         for (field, value) in [

@@ -169,7 +169,8 @@ impl ModelPole {
         if self.mu.norm() < DEAD_BEAT {
             C64::new(DEAD_BEAT.ln() * rate_hz, 0.0)
         } else {
-            self.mu.ln() * rate_hz
+            // −0 + 0 is +0: a real negative μ has its logarithm at +π
+            C64::new(self.mu.re, self.mu.im + 0.0).ln() * rate_hz
         }
     }
 

@@ -34,7 +34,9 @@ impl NormalEquations {
         let gram = |j: usize, k: usize| sums.r[order + k - j];
         let (factor, size) = cholesky(order + 1, gram);
         let Some(max_order) = size.checked_sub(1) else {
-            return Err(LinalgError::Singular { what: "the lines", why: "no line has weight", value: 0.0 }.into());
+            return Err(
+                LinalgError::Singular { what: "the lines", why: "no line has weight", value: 0.0 }.into()
+            );
         };
         // forward substitution, each output and column alone
         let mut y = Mat::zeros(size * l, size * m);

@@ -62,7 +62,8 @@ pub(super) fn reshape(
             for (r, (cluster, g)) in clusters.iter().zip(&participations).enumerate() {
                 let lambda = C64::new(cluster.mode.pole[0], cluster.mode.pole[1]) / record.rate_hz;
                 let mu = (lambda - window.beta).exp();
-                let (one, other) = (g[b] * seen(mu, z, window.lags), g[b].conj() * seen(mu.conj(), z, window.lags));
+                let (one, other) =
+                    (g[b] * seen(mu, z, window.lags), g[b].conj() * seen(mu.conj(), z, window.lags));
                 put(2 * r, one + other);
                 put(2 * r + 1, i * (one - other));
             }
@@ -82,7 +83,8 @@ pub(super) fn reshape(
     let scaled = Mat::from_fn(left.nrows(), columns, |r, c| left[(r, c)] / lengths[c]);
     let solution = scaled.col_piv_qr().solve_lstsq(&right);
     for (r, cluster) in clusters.iter_mut().enumerate() {
-        let at = |o: usize| [solution[(2 * r, o)] / lengths[2 * r], solution[(2 * r + 1, o)] / lengths[2 * r + 1]];
+        let at =
+            |o: usize| [solution[(2 * r, o)] / lengths[2 * r], solution[(2 * r + 1, o)] / lengths[2 * r + 1]];
         let mut shape: Vec<[f64; 2]> = (0..n).map(at).collect();
         let size = shape.iter().flatten().fold(0.0f64, |m, v| m.max(v.abs()));
         if !(size > 0.0 && size.is_finite() && shape.iter().flatten().all(|v| v.is_finite())) {
