@@ -13,7 +13,7 @@ use serde::{Deserialize, Serialize};
 use subspace::Subspace;
 
 /// Orders of a mode that are fitted again without each block: more tell nothing new of their median.
-const REFITTED: usize = 12;
+const REFITTED: usize = 8;
 
 /// A pole that moved by so many frequency tolerances is another one.
 const LOST: f64 = 5.0;
@@ -78,7 +78,7 @@ pub struct SsiOutcome {
 /// analysis*, MSSP 13 (1999); Döhler and Mevel, *Fast multi-order computation of system matrices in subspace-based
 /// system identification*, Control Engineering Practice 20 (2012).
 ///
-/// Standard deviations are the bootstrap's over blocks of the recording, of each mode's median over a dozen orders.
+/// Standard deviations are the bootstrap's over blocks of the recording, of each mode's median over eight orders.
 ///
 /// ```
 /// use washboard::identify::{SsiSettings, ssi_cov};

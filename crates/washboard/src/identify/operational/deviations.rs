@@ -13,8 +13,8 @@ use std::f64::consts::TAU;
 
 /// Blocks that a recording is cut into: their number's root gives the standard deviation's own error, 14 % of it.
 const BLOCKS: usize = 24;
-/// Draws of the bootstrap: their number's root gives the standard deviation's own error, 11 % beside the blocks'.
-const DRAWS: usize = 40;
+/// Draws of the bootstrap: their number's root gives the standard deviation's own error, 13 % beside the blocks'.
+const DRAWS: usize = 32;
 /// Modes are refitted at so many of their orders at least.
 const FEWEST_ORDERS: usize = 3;
 /// With fewer blocks a standard deviation says too little, and none is given.
@@ -196,7 +196,7 @@ mod tests {
         assert!(weights.iter().all(|w| (w.iter().sum::<f64>() - 1.0).abs() < 1e-14));
         let drawn = scale * scatter(weights.iter().map(|w| w.iter().zip(&x).map(|(w, x)| w * x).sum()));
         let exact = scatter(x.iter().copied()) / 24f64.sqrt();
-        // forty draws tell a scatter to 11 %: three of these
-        assert!((drawn / exact - 1.0).abs() < 0.35, "{drawn} for {exact}");
+        // thirty draws tell a scatter to 13 %: three of these
+        assert!((drawn / exact - 1.0).abs() < 0.4, "{drawn} for {exact}");
     }
 }
