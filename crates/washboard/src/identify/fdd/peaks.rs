@@ -18,6 +18,9 @@ const STEADY: f64 = 0.25;
 /// Peaks of one reason further apart than this ratio are listed apart.
 const LISTED_APART: f64 = 1.2;
 
+/// The bin of a peak that is no mode, and why.
+type LeftOut = (usize, Reason, String);
+
 /// A peak and its bell.
 pub(super) struct Peak {
     /// Where it is highest.
@@ -43,7 +46,7 @@ pub(super) fn judge(
     let maxima: Vec<usize> = (FIRST_BIN..curve.len() - 1)
         .filter(|&k| curve[k] > curve[k - 1] && curve[k] >= curve[k + 1])
         .collect();
-    let (mut clear, mut left_out): (Vec<(usize, f64)>, Vec<(usize, Reason, String)>) = Default::default();
+    let (mut clear, mut left_out): (Vec<(usize, f64)>, Vec<LeftOut>) = Default::default();
     for k in maxima {
         let prominence = prominence(&curve, k) / sigma;
         let f = whole.freq_hz[k];
@@ -164,13 +167,9 @@ fn steadiness(bin: usize, whole: &Decomposition, blocks: &Blocks) -> f64 {
 }
 
 /// Left-out peaks by reason and place.
-fn condensed(
-    mut left_out: Vec<(usize, Reason, String)>,
-    whole: &Decomposition,
-    curve: &[f64],
-) -> Vec<Rejected> {
+fn condensed(mut left_out: Vec<LeftOut>, whole: &Decomposition, curve: &[f64]) -> Vec<Rejected> {
     left_out.sort_by(|a, b| (a.1, &a.2, a.0).cmp(&(b.1, &b.2, b.0)));
-    let together = |a: &(usize, Reason, String), b: &(usize, Reason, String)| {
+    let together = |a: &LeftOut, b: &LeftOut| {
         a.1 == b.1 && a.2 == b.2 && whole.freq_hz[b.0] <= LISTED_APART * whole.freq_hz[a.0]
     };
     let mut rejected: Vec<Rejected> = left_out
