@@ -39,7 +39,7 @@ def main() -> None:
     setup = SingleSetup(data, fs=ours["rate_hz"])
     theirs = {
         "ssi": (SSI(name="ssi", method="cov", br=50, ordmax=60, step=2), {"sel_freq": freqs, "order_in": "find_min"}),
-        "plscf": (pLSCF(name="plscf", ordmax=40, nxseg=1024), {"sel_freq": freqs, "order_in": "find_min"}),
+        "plscf": (pLSCF(name="plscf", ordmax=40, nxseg=1024), {"sel_freq": freqs, "order": "find_min"}),
         "fdd": (EFDD(name="fdd", nxseg=ours["fdd"]["segment"]), {"sel_freq": freqs}),
     }
     print("truth    ", "  ".join(f"{f:.4f} Hz {100 * z:.2f} %" for f, z in truth))
