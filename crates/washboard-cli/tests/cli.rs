@@ -174,8 +174,24 @@ fn usage_errors_leave_standard_output_empty() {
         assert!(!ran.stderr.is_empty());
     }
     assert!(folder.ok("--help").contains("identify"));
-    for method in ["tvimm", "plscf", "fdd"] {
-        folder.wrong(&format!("identify RUN.toml --method {method}"), &[method, "not there yet"]);
+    folder.wrong("identify RUN.toml --method tvimm", &["tvimm", "not there yet"]);
+}
+
+#[test]
+fn the_classical_methods_answer_and_say_what_they_are() {
+    let folder = Folder::new("classical");
+    let drive = "--road case:iso8608-c --speed-m-s 20 --duration-s 120 --rate-hz 100 --noise 0.02";
+    folder.ok(&format!("simulate case:guiggiani-full-car {drive} -o RUN.csv"));
+    for method in ["ssi", "plscf", "fdd"] {
+        let ran = folder.run(&format!("identify RUN.toml --method {method} --json"));
+        assert!(ran.status <= 1, "{method}: {}", ran.stderr);
+        let found: serde_json::Value = serde_json::from_str(&ran.stdout).unwrap();
+        assert_eq!(found["method"], method);
+        assert_eq!(ran.status == 0, found["converged"] == true);
+        let flags = found["flags"].as_array().unwrap();
+        assert!(flags.iter().any(|f| f["name"] == "classical"), "{method}");
+        assert!(found["rejected"].as_array().is_some_and(|r| !r.is_empty()), "{method}");
+        assert!(found["singular_values"]["values"].is_array(), "{method}");
     }
 }
 

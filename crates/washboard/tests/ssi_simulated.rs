@@ -6,7 +6,7 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use std::f64::consts::TAU;
-use washboard::identify::{SsiOutcome, SsiSettings, ssi_cov};
+use washboard::identify::{SsiOutcome, SsiSettings, StabilitySettings, ssi_cov};
 use washboard::linalg::{C64, Mat, expm, lyapunov};
 
 const RATE_HZ: f64 = 40.0;
@@ -201,7 +201,11 @@ fn settings_without_meaning_are_refused() {
     assert!(refused(defaults()).starts_with("max_order: expected an even number up to"));
     assert!(refused(SsiSettings { max_order: 7, ..defaults() }).starts_with("max_order"));
     assert!(refused(SsiSettings { max_order: 10, min_order: 12, ..defaults() }).starts_with("min_order"));
-    let band = SsiSettings { max_order: 10, band_hz: Some([1.0, 6.0]), ..defaults() };
+    let band = SsiSettings {
+        max_order: 10,
+        stability: StabilitySettings { band_hz: Some([1.0, 6.0]), ..StabilitySettings::default() },
+        ..defaults()
+    };
     assert!(refused(band).starts_with("band_hz"));
     let flat = vec![vec![9.81; 2000]];
     let small = SsiSettings { max_order: 10, ..defaults() };

@@ -1,20 +1,24 @@
 //! Covariance-driven stochastic subspace identification (SSI-cov): modes from output correlations alone.
 
-mod clusters;
-mod stabilization;
 mod subspace;
 
-pub use clusters::{Mode, Reason, Rejected, ShapeComponent};
-pub use stabilization::{Pole, PoleStatus, StabilizationDiagram};
-
-use crate::linalg::{LinalgError, Mat};
-use crate::signal::{CorrelationError, correlations};
+use super::operational::{
+    Mode, OperationalError, OrderModel, Record, Rejected, Resampling, StabilitySettings,
+    StabilizationDiagram, Start, deviations, diagram, modes, nearest_pole, require,
+};
+use crate::linalg::C64;
+use crate::signal::{CorrelationError, Correlations};
+use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
-use thiserror::Error;
+use subspace::Subspace;
+
+/// Orders of a mode that are fitted again without each block: more tell nothing new of their median.
+const REFITTED: usize = 8;
+
+/// A pole that moved by so many frequency tolerances is another one.
+const LOST: f64 = 5.0;
 
 /// What SSI-cov is told beside the data. [`SsiSettings::default`] suits a dozen modes or fewer.
-///
-/// No setting is a cut-off of damping: a car's body mode with ζ = 0.3–0.45 is an ordinary mode.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct SsiSettings {
@@ -24,37 +28,13 @@ pub struct SsiSettings {
     pub min_order: usize,
     /// Highest model order, even, at most (i − 1) × channels.
     pub max_order: usize,
-    /// A stable pole's frequency differs by at most this fraction from one of the order before.
-    pub frequency_tolerance: f64,
-    /// A stable pole's damping ratio differs by at most this from that pole's (0.02 is two points) …
-    pub damping_tolerance: f64,
-    /// … or by this fraction of itself, whichever is more: a heavily damped mode's ζ scatters more.
-    pub damping_tolerance_relative: f64,
-    /// A stable pole's shape has at least this modal assurance criterion with that pole's.
-    pub min_mac: f64,
-    /// A mode is a cluster of stable poles at so many orders at least, as a fraction of the orders computed.
-    pub min_order_fraction: f64,
-    /// A mode's part of the spectrum exceeds the spectrum's sampling error by so many standard deviations: poles settle
-    /// on the highest of some hundred chance bumps, which reach about four.
-    pub min_significance: f64,
-    /// Poles outside this band are left out, with that reason; without it, those within 2 % of the Nyquist frequency.
-    pub band_hz: Option<[f64; 2]>,
+    /// When a pole is stable, and a cluster a mode.
+    pub stability: StabilitySettings,
 }
 
 impl Default for SsiSettings {
     fn default() -> Self {
-        Self {
-            block_rows: 50,
-            min_order: 2,
-            max_order: 60,
-            frequency_tolerance: 0.02,
-            damping_tolerance: 0.02,
-            damping_tolerance_relative: 0.1,
-            min_mac: 0.95,
-            min_order_fraction: 0.4,
-            min_significance: 5.0,
-            band_hz: None,
-        }
+        Self { block_rows: 50, min_order: 2, max_order: 60, stability: StabilitySettings::default() }
     }
 }
 
@@ -69,35 +49,6 @@ pub struct SsiOutcome {
     pub diagram: StabilizationDiagram,
     /// Singular values of the Toeplitz matrix of normalised correlations, descending.
     pub singular_values: Vec<f64>,
-}
-
-/// What [`ssi_cov`] refuses.
-#[derive(Debug, Error, Clone, PartialEq)]
-pub enum SsiError {
-    /// A setting that has no meaning, or not for these channels.
-    #[error("{field}: expected {expected}, found {found}")]
-    Setting {
-        /// Which field.
-        field: &'static str,
-        /// What it must be.
-        expected: String,
-        /// What it is.
-        found: f64,
-    },
-    /// A channel does not move: it has no correlation to learn from.
-    #[error("channel {channel} is constant ({value})")]
-    Constant {
-        /// Which channel.
-        channel: usize,
-        /// Its value.
-        value: f64,
-    },
-    /// The channels can't be correlated.
-    #[error(transparent)]
-    Correlation(#[from] CorrelationError),
-    /// A factorisation failed.
-    #[error(transparent)]
-    Linalg(#[from] LinalgError),
 }
 
 /// Modes from channels recorded at one rate under broadband excitation, by SSI-cov.
@@ -127,6 +78,8 @@ pub enum SsiError {
 /// analysis*, MSSP 13 (1999); Döhler and Mevel, *Fast multi-order computation of system matrices in subspace-based
 /// system identification*, Control Engineering Practice 20 (2012).
 ///
+/// Standard deviations are the bootstrap's over blocks of the recording, of each mode's median over eight orders.
+///
 /// ```
 /// use washboard::identify::{SsiSettings, ssi_cov};
 /// // a 1.5 Hz resonance (ζ = 0.05) struck by a pseudo-random force, sampled at 10 Hz
@@ -142,86 +95,67 @@ pub enum SsiError {
 /// assert_eq!(outcome.modes.len(), 1);
 /// assert!((outcome.modes[0].freq_hz - 1.5).abs() < 0.02);
 /// assert!((outcome.modes[0].damping - 0.05).abs() < 0.01);
-/// # Ok::<(), washboard::identify::SsiError>(())
+/// # Ok::<(), washboard::identify::OperationalError>(())
 /// ```
-pub fn ssi_cov(channels: &[Vec<f64>], rate_hz: f64, settings: &SsiSettings) -> Result<SsiOutcome, SsiError> {
+pub fn ssi_cov(
+    channels: &[Vec<f64>],
+    rate_hz: f64,
+    settings: &SsiSettings,
+) -> Result<SsiOutcome, OperationalError> {
     check(channels.len(), rate_hz, settings)?;
-    let (normalised, rms) = normalise(channels)?;
-    let lambda = correlations(&normalised, 2 * settings.block_rows - 1)?;
-    let realisations = subspace::realisations(&lambda, settings)?;
-    let samples = channels[0].len();
-    let count = channels.len();
-    let at_zero_lag = Mat::from_fn(count, count, |i, j| lambda.at(i, j, 0));
-    let record = stabilization::Record { rate_hz, samples, lags: lambda.lags() - 1, at_zero_lag };
-    let diagram = stabilization::diagram(&realisations.orders, &record, settings)?;
-    let (modes, rejected) = clusters::modes(&diagram, &rms, settings);
-    let diagram = diagram.in_units(&rms);
-    Ok(SsiOutcome { modes, rejected, diagram, singular_values: realisations.singular_values })
-}
-
-/// A channel that departs from its mean by less is constant: the mean of a million samples is exact to 1e-13.
-const CONSTANT: f64 = 1e-12;
-
-/// Channels without their means and divided by their rms; and these rms.
-fn normalise(channels: &[Vec<f64>]) -> Result<(Vec<Vec<f64>>, Vec<f64>), SsiError> {
-    let (mut normalised, mut all_rms) = (Vec::new(), Vec::new());
-    for (channel, data) in channels.iter().enumerate() {
-        if let Some(sample) = data.iter().position(|v| !v.is_finite()) {
-            let value = data[sample];
-            return Err(CorrelationError::NotFinite { channel, sample, value }.into());
-        }
-        let count = data.len().max(1) as f64;
-        let mean = data.iter().map(|v| v / count).sum::<f64>();
-        // by the largest deviation first, so that no square overflows
-        let largest = data.iter().fold(0.0f64, |m, v| m.max((v - mean).abs()));
-        if largest <= CONSTANT * mean.abs() {
-            return Err(SsiError::Constant { channel, value: mean });
-        }
-        let square = data.iter().map(|v| ((v - mean) / largest).powi(2)).sum::<f64>() / count;
-        let rms = largest * square.sqrt();
-        normalised.push(data.iter().map(|v| (v - mean) / rms).collect());
-        all_rms.push(rms);
-    }
-    Ok((normalised, all_rms))
-}
-
-fn check(channels: usize, rate_hz: f64, s: &SsiSettings) -> Result<(), SsiError> {
-    let require = |holds: bool, field, expected: String, found: f64| {
-        if holds { Ok(()) } else { Err(SsiError::Setting { field, expected, found }) }
+    let record = Record::new(channels, rate_hz, 2 * settings.block_rows - 1)?;
+    let subspace = Subspace::new(&record.lambda, settings.block_rows)?;
+    let orders: Vec<usize> =
+        (settings.min_order..=settings.max_order.min(subspace.rank())).step_by(2).collect();
+    let realisations = subspace.realisations(&orders);
+    let models: Vec<OrderModel> = realisations
+        .par_iter()
+        .map(|r| OrderModel::of_realisation(&r.a, &r.c, &r.g))
+        .collect::<Result<_, _>>()?;
+    let diagram = diagram(&models, &record, &settings.stability);
+    let (mut clusters, rejected) = modes(&diagram, &record.rms, &settings.stability);
+    let again = |lambda: &Correlations, starts: &[Start]| {
+        refit(&subspace, lambda, starts, &settings.stability, rate_hz)
     };
+    deviations(&mut clusters, &diagram, &record, REFITTED, Resampling::Bootstrap, again)?;
+    let modes = clusters.into_iter().map(|c| c.mode).collect();
+    let diagram = diagram.in_units(&record.rms);
+    Ok(SsiOutcome { modes, rejected, diagram, singular_values: subspace.singular_values })
+}
+
+/// The poles in other correlations of the same record, each at its order.
+fn refit(
+    subspace: &Subspace,
+    lambda: &Correlations,
+    starts: &[Start],
+    stability: &StabilitySettings,
+    rate_hz: f64,
+) -> Vec<Option<C64>> {
+    let mut orders: Vec<usize> = starts.iter().map(|s| s.0).collect();
+    orders.sort_unstable();
+    orders.dedup();
+    let Ok(near) = subspace.near(lambda, &orders) else { return vec![None; starts.len()] };
+    let models: Vec<OrderModel> =
+        near.iter().filter_map(|r| OrderModel::of_realisation(&r.a, &r.c, &r.g).ok()).collect();
+    let find = |(order, pole): &Start| {
+        let model = models.iter().find(|m| m.order == *order)?;
+        nearest_pole(&model.poles, *pole, rate_hz, LOST * stability.frequency_tolerance)
+    };
+    starts.iter().map(find).collect()
+}
+
+fn check(channels: usize, rate_hz: f64, s: &SsiSettings) -> Result<(), OperationalError> {
     if channels == 0 {
         return Err(CorrelationError::NoChannel.into());
     }
-    let positive = |x: f64| x.is_finite() && x > 0.0;
     let even = |x: usize| x >= 2 && x.is_multiple_of(2);
     let largest = s.block_rows.saturating_sub(1) * channels;
-    require(positive(rate_hz), "rate_hz", "a positive number".into(), rate_hz)?;
-    require(s.block_rows >= 2, "block_rows", "at least 2".into(), s.block_rows as f64)?;
+    require(s.block_rows >= 2, "block_rows", "at least 2", s.block_rows as f64)?;
     let low = "an even number from 2 to max_order";
     let sound = even(s.min_order) && s.min_order <= s.max_order;
-    require(sound, "min_order", low.into(), s.min_order as f64)?;
+    require(sound, "min_order", low, s.min_order as f64)?;
     let high = format!("an even number up to (block_rows − 1) × channels = {largest}");
     let sound = even(s.max_order) && s.max_order <= largest;
     require(sound, "max_order", high, s.max_order as f64)?;
-    for (field, value) in
-        [("frequency_tolerance", s.frequency_tolerance), ("damping_tolerance", s.damping_tolerance)]
-    {
-        require(positive(value), field, "a positive number".into(), value)?;
-    }
-    for (field, value) in [
-        ("min_mac", s.min_mac),
-        ("min_order_fraction", s.min_order_fraction),
-        ("damping_tolerance_relative", s.damping_tolerance_relative),
-    ] {
-        let sound = (0.0..=1.0).contains(&value);
-        require(sound, field, "a number from 0 to 1".into(), value)?;
-    }
-    let sound = s.min_significance >= 0.0;
-    require(sound, "min_significance", "a number from 0".into(), s.min_significance)?;
-    if let Some([low, high]) = s.band_hz {
-        let sound = low >= 0.0 && high > low && high <= rate_hz / 2.0;
-        let expected = format!("0 ≤ low < high ≤ {} Hz", rate_hz / 2.0);
-        require(sound, "band_hz", expected, if low >= 0.0 { high } else { low })?;
-    }
-    Ok(())
+    s.stability.check(rate_hz)
 }

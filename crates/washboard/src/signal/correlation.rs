@@ -82,6 +82,17 @@ impl Correlations {
         self.pair(i, j)[k]
     }
 
+    /// Σ weight · part: of equal blocks of a recording and weights that sum to one, a mean of their correlations.
+    #[must_use]
+    pub(crate) fn weighted(parts: &[Correlations], weights: &[f64]) -> Correlations {
+        let (channels, lags) = parts.first().map_or((0, 0), |p| (p.channels, p.lags));
+        let mut values = vec![0.0; channels * channels * lags];
+        for (part, weight) in parts.iter().zip(weights).filter(|(_, w)| **w != 0.0) {
+            values.iter_mut().zip(&part.values).for_each(|(v, p)| *v += weight * p);
+        }
+        Correlations { channels, lags, values }
+    }
+
     /// R_ij at all lags, from zero.
     ///
     /// # Panics

@@ -44,6 +44,7 @@ pub use error::SignalError;
 pub use npy::{parse_npy, read_npy};
 pub use read::{MAX_VALUES, read_recording};
 pub use recording::Recording;
+pub(crate) use spectra::averaged;
 pub use spectra::{CrossSpectra, Segment, WelchSettings, welch};
 pub use sst::{SstRecord, parse_sst, read_sst};
 pub use time_base::{MAX_FILL_S, MAX_FILL_SAMPLES};

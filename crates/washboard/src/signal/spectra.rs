@@ -108,22 +108,47 @@ pub fn welch(recording: &Recording, settings: &WelchSettings) -> Result<CrossSpe
     let (len, hop) = cut(recording, settings)?;
     let rate_hz = recording.rate_hz();
     let segments = (recording.len() - len) / hop + 1;
-    let (n, bins) = (recording.channels().len(), len / 2 + 1);
+    let bins = len / 2 + 1;
     let window = HannWindow::new(len);
+    let s = averaged(recording.samples(), rate_hz, &window, hop, 0..segments);
+    let freq_hz: Vec<f64> = (0..bins).map(|k| k as f64 * rate_hz / len as f64).collect();
+    Ok(CrossSpectra {
+        omega_rad_s: freq_hz.iter().map(|f| rad_per_s(*f)).collect(),
+        freq_hz,
+        s,
+        averages: window.independent_segments(segments, hop),
+        segments,
+        segment_len: len,
+        hop,
+        rate_hz,
+        channels: recording.channels().iter().map(|c| c.name.clone()).collect(),
+        window,
+    })
+}
+
+/// The mean over these segments (segment k starts at k · hop) of X_i* X_j / (rate Σ w²) at each bin.
+pub(crate) fn averaged(
+    samples: &[Vec<f64>],
+    rate_hz: f64,
+    window: &HannWindow,
+    hop: usize,
+    segments: std::ops::Range<usize>,
+) -> Vec<CMat> {
+    let (n, len) = (samples.len(), window.samples().len());
+    let bins = len / 2 + 1;
     let fft = RealFftPlanner::<f64>::new().plan_fft_forward(len);
     // a bin's sums of X_i* X_j for i ≤ j, by column
     let pairs = n * (n + 1) / 2;
     let mut sums = vec![C64::new(0.0, 0.0); bins * pairs];
-    for first in (0..segments).step_by(BLOCK) {
-        let block = BLOCK.min(segments - first);
+    for first in segments.clone().step_by(BLOCK) {
+        let block = BLOCK.min(segments.end - first);
         let spectra: Vec<Vec<C64>> = (0..block * n)
             .into_par_iter()
             .map_init(
                 || fft.make_scratch_vec(),
                 |scratch, task| {
                     let start = (first + task / n) * hop;
-                    let part = &recording.samples()[task % n][start..start + len];
-                    transform(&fft, &window, part, scratch)
+                    transform(&fft, window, &samples[task % n][start..start + len], scratch)
                 },
             )
             .collect();
@@ -139,21 +164,8 @@ pub fn welch(recording: &Recording, settings: &WelchSettings) -> Result<CrossSpe
             }
         });
     }
-    let scale = 1.0 / (segments as f64 * rate_hz * window.power());
-    let s = sums.chunks(pairs).map(|sum| hermitian(n, sum, scale)).collect();
-    let freq_hz: Vec<f64> = (0..bins).map(|k| k as f64 * rate_hz / len as f64).collect();
-    Ok(CrossSpectra {
-        omega_rad_s: freq_hz.iter().map(|f| rad_per_s(*f)).collect(),
-        freq_hz,
-        s,
-        averages: window.independent_segments(segments, hop),
-        segments,
-        segment_len: len,
-        hop,
-        rate_hz,
-        channels: recording.channels().iter().map(|c| c.name.clone()).collect(),
-        window,
-    })
+    let scale = 1.0 / (segments.len() as f64 * rate_hz * window.power());
+    sums.chunks(pairs).map(|sum| hermitian(n, sum, scale)).collect()
 }
 
 /// Length and hop in samples.

@@ -47,16 +47,6 @@ pub enum StudyError {
         /// What it is.
         found: String,
     },
-    /// Something whose name is reserved.
-    #[error("{field}: `{name}` is not there yet; {instead}")]
-    NotYet {
-        /// Where it was asked for.
-        field: &'static str,
-        /// What was asked for.
-        name: String,
-        /// What there is.
-        instead: &'static str,
-    },
 }
 
 impl StudyError {

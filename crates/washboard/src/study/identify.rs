@@ -2,8 +2,8 @@
 
 use super::identify_outcome::{ChannelSummary, Flag, IdentifyOutcome, RecordingSummary};
 use super::{
-    IdentifyMethod, IdentifySpec, Input, StudyError, drives, identify_physical, identify_ssi, identify_tvimm,
-    load_vehicle, spectra_plot,
+    IdentifyMethod, IdentifySpec, Input, StudyError, drives, identify_operational, identify_physical,
+    identify_tvimm, load_vehicle, spectra_plot,
 };
 use crate::files::FileError;
 use crate::identify::{LineSettings, spectral_lines};
@@ -136,7 +136,10 @@ pub fn identify_recordings(
         IdentifyMethod::Physical => identify_physical::run(&tasks, vehicle, &spec.known)?,
         IdentifyMethod::Tvimm => identify_tvimm::run(&tasks, vehicle, &spec.known)?,
         _ => {
-            let mut done = tasks.iter().map(identify_ssi::run).collect::<Result<Vec<_>, _>>()?;
+            let mut done = tasks
+                .iter()
+                .map(|task| identify_operational::run(task, spec.method, spec.segment_s))
+                .collect::<Result<Vec<_>, _>>()?;
             let runs =
                 if done.len() > 1 { done.iter().map(identify_tvimm::summary).collect() } else { vec![] };
             (IdentifyOutcome { runs, ..done.remove(0) }, Vec::new())
@@ -172,7 +175,7 @@ fn band(recording: &Recording, spec: &IdentifySpec) -> Result<[f64; 2], StudyErr
         }
         return Ok([low, high]);
     }
-    if spec.method == IdentifyMethod::Ssi {
+    if spec.method.is_operational() {
         return Ok([0.0, BAND_HZ[1].min(0.8 * nyquist)]);
     }
     // the edges of a described road are not sharp to a window: stay inside

@@ -91,7 +91,7 @@ pub struct IdentifiedMode {
     pub damping_sd: Option<f64>,
     /// λ as [re, im], 1/s.
     pub pole: [f64; 2],
-    /// The shape at degrees of freedom (`physical`) or channels (`ssi`), largest component 1.
+    /// The shape at degrees of freedom (`physical`) or channels (`ssi`, `plscf`, `fdd`), largest component 1.
     pub shape: Vec<ShapeValue>,
     /// The motion that it resembles.
     pub label: String,

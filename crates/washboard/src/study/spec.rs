@@ -101,13 +101,8 @@ impl IdentifySpec {
     /// Refuses what no recording can satisfy: to be asked first.
     ///
     /// # Errors
-    /// A method that is to come, a segment that is not positive, a band that is none.
+    /// A segment that is not positive, a band that is none.
     pub fn check(&self) -> Result<(), StudyError> {
-        if !self.method.exists() {
-            let name = self.method.name().to_owned();
-            let instead = "this version has `physical`, `tvimm` and `ssi`";
-            return Err(StudyError::NotYet { field: "method", name, instead });
-        }
         let setting = |field, expected: &str, found| {
             Err(StudyError::Setting { field, expected: expected.to_owned(), found })
         };
@@ -137,9 +132,9 @@ pub enum IdentifyMethod {
     Ssi,
     /// The track-vehicle interaction modal model with free modes.
     Tvimm,
-    /// The poly-reference least-squares complex frequency estimator: to come.
+    /// The poly-reference least-squares complex frequency estimator.
     Plscf,
-    /// Frequency-domain decomposition: to come.
+    /// Frequency-domain decomposition with enhanced damping.
     Fdd,
 }
 
@@ -165,10 +160,10 @@ impl IdentifyMethod {
         }
     }
 
-    /// Whether this version has it.
+    /// Whether it is operational modal analysis: a structure under white forces, and no vehicle.
     #[must_use]
-    pub fn exists(self) -> bool {
-        matches!(self, IdentifyMethod::Physical | IdentifyMethod::Tvimm | IdentifyMethod::Ssi)
+    pub fn is_operational(self) -> bool {
+        matches!(self, IdentifyMethod::Ssi | IdentifyMethod::Plscf | IdentifyMethod::Fdd)
     }
 }
 

@@ -1,15 +1,18 @@
 //! From correlations to a realisation (A, C) at every order: block Toeplitz, one SVD, one QR.
 
-use super::{SsiError, SsiSettings};
 use crate::linalg::{LinalgError, Mat};
 use crate::signal::Correlations;
 
-/// The realisations of all orders.
-pub(super) struct Realisations {
-    /// By ascending order.
-    pub orders: Vec<Realisation>,
+/// Directions beside the highest order's that are carried along to a neighbouring matrix.
+const OVERSAMPLED: usize = 20;
+
+/// The column space of a Toeplitz matrix of correlations.
+pub(super) struct Subspace {
     /// Of the Toeplitz matrix, descending.
     pub singular_values: Vec<f64>,
+    u: Mat,
+    v: Mat,
+    channels: usize,
 }
 
 /// One order's matrices, of normalised channels.
@@ -22,25 +25,54 @@ pub(super) struct Realisation {
     pub g: Mat,
 }
 
-/// (A, C) at the even orders from `min_order` to `max_order`, as far as the correlations have that rank.
-pub(super) fn realisations(r: &Correlations, settings: &SsiSettings) -> Result<Realisations, SsiError> {
-    let toeplitz = block_toeplitz(r, settings.block_rows);
-    let size = toeplitz.nrows();
-    let svd = toeplitz
-        .svd()
-        .map_err(|_| LinalgError::NoConvergence { what: "the Toeplitz matrix's SVD", order: size })?;
-    let singular_values: Vec<f64> = (0..size).map(|k| svd.S().column_vector()[k]).collect();
-    // below rounding of the largest there is no direction left to realise
-    let floor = singular_values[0] * size as f64 * f64::EPSILON;
-    let rank = singular_values.iter().take_while(|s| **s > floor).count();
-    let top = settings.max_order.min(rank - rank % 2);
-    // O = U S^{1/2}
-    let u = svd.U();
-    let o = Mat::from_fn(size, top, |i, k| u[(i, k)] * singular_values[k].sqrt());
-    // Γ = S^{1/2} Vᵀ = [A^{i−1}G … G]
-    let (v, last) = (svd.V(), size - r.channels());
-    let g = Mat::from_fn(top, r.channels(), |k, j| v[(last + j, k)] * singular_values[k].sqrt());
-    Ok(Realisations { orders: nested(&o, &g, settings.min_order, top), singular_values })
+impl Subspace {
+    /// By one SVD of the Toeplitz matrix of so many block rows.
+    pub fn new(r: &Correlations, block_rows: usize) -> Result<Self, LinalgError> {
+        Self::of(&block_toeplitz(r, block_rows), r.channels())
+    }
+
+    fn of(matrix: &Mat, channels: usize) -> Result<Self, LinalgError> {
+        let (rows, size) = (matrix.nrows(), matrix.nrows().min(matrix.ncols()));
+        let svd = matrix
+            .thin_svd()
+            .map_err(|_| LinalgError::NoConvergence { what: "the Toeplitz matrix's SVD", order: rows })?;
+        let singular_values: Vec<f64> = (0..size).map(|k| svd.S().column_vector()[k]).collect();
+        Ok(Self { singular_values, u: svd.U().to_owned(), v: svd.V().to_owned(), channels })
+    }
+
+    /// The highest even order that the matrix has the rank for: below rounding of the largest singular value there is
+    /// no direction left to realise.
+    pub fn rank(&self) -> usize {
+        let floor = self.singular_values[0] * self.u.nrows() as f64 * f64::EPSILON;
+        let rank = self.singular_values.iter().take_while(|s| **s > floor).count();
+        rank - rank % 2
+    }
+
+    /// (A, C, G) at these ascending orders.
+    pub fn realisations(&self, orders: &[usize]) -> Vec<Realisation> {
+        let Some(&top) = orders.last() else { return Vec::new() };
+        let (s, size) = (&self.singular_values, self.u.nrows());
+        // O = U S^{1/2}
+        let o = Mat::from_fn(size, top, |i, k| self.u[(i, k)] * s[k].sqrt());
+        // Γ = S^{1/2} Vᵀ = [A^{i−1}G … G]
+        let last = size - self.channels;
+        let g = Mat::from_fn(top, self.channels, |k, j| self.v[(last + j, k)] * s[k].sqrt());
+        nested(&o, &g, orders)
+    }
+
+    /// The realisations of other correlations that differ little from these: their leading subspace is found from this
+    /// one by two steps of subspace iteration, which leave of its error the product of (s_{p+1}/s_n)⁴ and what it was.
+    pub fn near(&self, r: &Correlations, orders: &[usize]) -> Result<Vec<Realisation>, LinalgError> {
+        let size = self.u.nrows();
+        let toeplitz = block_toeplitz(r, size / self.channels);
+        let p = (orders.last().copied().unwrap_or(0) + OVERSAMPLED).min(size);
+        let left = (&toeplitz * self.v.subcols(0, p)).qr().compute_thin_Q();
+        let right = (toeplitz.transpose() * &left).qr().compute_thin_Q();
+        let left = (&toeplitz * &right).qr().compute_thin_Q();
+        let small = Self::of(&(left.transpose() * &toeplitz * &right), self.channels)?;
+        let Self { singular_values, u, v, channels } = small;
+        Ok(Self { singular_values, u: left * u, v: right * v, channels }.realisations(orders))
+    }
 }
 
 /// T with the blocks Λ_{i+r−c}, 0 ≤ r, c < i, where Λ_k[a, b] = E[y_a(t + k) y_b(t)] = R_ba(k).
@@ -51,22 +83,19 @@ fn block_toeplitz(r: &Correlations, block_rows: usize) -> Mat {
     })
 }
 
-/// A_n minimising ‖O↑ A_n − O↓‖ over the leading n columns, for every n from one QR of O↑ at the highest order.
+/// A_n minimising ‖O↑ A_n − O↓‖ over the leading n columns, for every n of `orders` from one QR of O↑ at the highest order.
 ///
 /// O↑ = QR nests: its first n columns are Q_n R_n, so A_n = R_n⁻¹ (Qᵀ O↓)_n.
-fn nested(o: &Mat, g: &Mat, min_order: usize, max_order: usize) -> Vec<Realisation> {
-    if max_order == 0 {
-        return Vec::new();
-    }
+fn nested(o: &Mat, g: &Mat, orders: &[usize]) -> Vec<Realisation> {
     let channels = g.ncols();
     let rows = o.nrows() - channels;
     let up = o.subrows(0, rows).to_owned();
     let qr = up.qr();
     let s = qr.compute_thin_Q().transpose() * o.subrows(channels, rows);
     let r = qr.thin_R();
-    (min_order..=max_order)
-        .step_by(2)
-        .map(|n| {
+    orders
+        .iter()
+        .map(|&n| {
             let mut a = s.submatrix(0, 0, n, n).to_owned();
             for col in 0..n {
                 for i in (0..n).rev() {
@@ -90,7 +119,7 @@ mod tests {
         let (l, rows) = (2, 24);
         let o = Mat::from_fn(rows, 8, |i, j| ((i * i * 7 + j * 13 + i * j * 5) % 19) as f64 - 9.0);
         let g = Mat::zeros(8, l);
-        for (k, realisation) in nested(&o, &g, 2, 8).iter().enumerate() {
+        for (k, realisation) in nested(&o, &g, &[2, 4, 6, 8]).iter().enumerate() {
             let n = 2 * k + 2;
             let up = o.submatrix(0, 0, rows - l, n);
             let down = o.submatrix(l, 0, rows - l, n);

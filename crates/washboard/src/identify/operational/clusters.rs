@@ -1,7 +1,11 @@
 //! From the stabilisation diagram to modes: clusters of stable poles, and the reason of every pole left out.
 
-use super::SsiSettings;
-use super::stabilization::{Pole, PoleStatus, StabilizationDiagram, mac, near_damping, near_frequency};
+use super::StabilitySettings;
+use super::shape::{
+    ShapeComponent, largest_one, mean_phase_deg, mean_phase_deviation_deg, modal_assurance as mac,
+    phase_collinearity,
+};
+use super::stabilization::{Pole, PoleStatus, StabilizationDiagram, near_damping, near_frequency};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;
@@ -38,17 +42,24 @@ pub struct Mode {
     pub significance: f64,
     /// Modal phase collinearity of the shape at normalised channels: 1 for a real shape, 0 for a travelling wave.
     pub phase_collinearity: f64,
+    /// Mean phase of the shape in degrees, against its largest component: see [`mean_phase_deg`].
+    pub mean_phase_deg: f64,
+    /// Mean phase deviation in degrees: see [`mean_phase_deviation_deg`].
+    pub mean_phase_deviation_deg: f64,
+    /// Standard deviation of the frequency, where the record has blocks enough to tell.
+    pub freq_sd_hz: Option<f64>,
+    /// Standard deviation of the damping ratio, likewise.
+    pub damping_sd: Option<f64>,
 }
 
-/// One channel's part in a mode shape.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct ShapeComponent {
-    /// Which channel.
-    pub channel: usize,
-    /// Real part.
-    pub re: f64,
-    /// Imaginary part.
-    pub im: f64,
+/// A mode, and the poles of the diagram that it was made from.
+pub(in crate::identify) struct Cluster {
+    /// The mode.
+    pub mode: Mode,
+    /// Their positions among the diagram's poles, by order.
+    pub members: Vec<usize>,
+    /// The position of the pole nearest to their medians.
+    pub middle: usize,
 }
 
 /// Poles that are no mode, and why.
@@ -72,6 +83,8 @@ pub struct Rejected {
 pub enum Reason {
     /// Re λ ≥ 0.
     Growing,
+    /// Re λ ≥ 0, the mirror image of a decaying pole in full spectra.
+    Mirror,
     /// No oscillation.
     Real,
     /// Outside the band or near the Nyquist frequency.
@@ -88,14 +101,22 @@ pub enum Reason {
     PartOfMode,
     /// A mode that is listed, seen at other orders with another bias.
     Echo,
+    /// A peak that noise alone may leave in the spectrum (`fdd`).
+    Noise,
+    /// A peak narrower than any mode: a line (`fdd`).
+    Line,
+    /// A peak that is not the highest of its surroundings, or not of a resonance's form (`fdd`).
+    NotAPeak,
+    /// The shape at the peak does not hold over enough bins (`fdd`).
+    NarrowDomain,
 }
 
 /// The modes and what is left out; `rms` of the channels restores the shapes' units.
-pub(super) fn modes(
+pub(in crate::identify) fn modes(
     diagram: &StabilizationDiagram,
     rms: &[f64],
-    settings: &SsiSettings,
-) -> (Vec<Mode>, Vec<Rejected>) {
+    settings: &StabilitySettings,
+) -> (Vec<Cluster>, Vec<Rejected>) {
     let poles = &diagram.poles;
     let needed = ((settings.min_order_fraction * diagram.orders.len() as f64).ceil() as usize).max(2);
     let mut left: Vec<usize> = (0..poles.len()).filter(|k| poles[*k].stable()).collect();
@@ -113,15 +134,22 @@ pub(super) fn modes(
             None => kept.push(cluster),
         }
     }
-    let mut modes: Vec<Mode> = kept.iter().map(|c| mode(poles, c, rms)).collect();
-    modes.sort_by(|a, b| a.freq_hz.total_cmp(&b.freq_hz));
+    let mut modes: Vec<Cluster> = kept
+        .iter()
+        .map(|c| Cluster {
+            mode: mode(poles, c, rms),
+            members: c.clone(),
+            middle: c[nearest_to_medians(poles, c)],
+        })
+        .collect();
+    modes.sort_by(|a, b| a.mode.freq_hz.total_cmp(&b.mode.freq_hz));
     rejected.extend(never_stable(poles));
     rejected.sort_by(|a, b| a.freq_hz.total_cmp(&b.freq_hz));
     (modes, rejected)
 }
 
 /// Of the poles `left`, the cluster with most orders: at each order the nearest pole within tolerance of its centre.
-fn strongest(poles: &[Pole], left: &[usize], settings: &SsiSettings) -> Option<Vec<usize>> {
+fn strongest(poles: &[Pole], left: &[usize], settings: &StabilitySettings) -> Option<Vec<usize>> {
     let around = |centre: usize| {
         let mut best: BTreeMap<usize, (f64, usize)> = BTreeMap::new();
         for &k in left {
@@ -165,7 +193,7 @@ fn refused(
     cluster: &[usize],
     kept: &[Vec<usize>],
     needed: usize,
-    settings: &SsiSettings,
+    settings: &StabilitySettings,
 ) -> Option<(Reason, String)> {
     for mode in kept {
         let f = median(mode.iter().map(|k| poles[*k].freq_hz));
@@ -192,9 +220,9 @@ fn significance(poles: &[Pole], cluster: &[usize]) -> f64 {
 }
 
 /// The same mode with another bias: near it, of its shape, and at other orders than it.
-fn is_echo(poles: &[Pole], weak: &[usize], mode: &[usize], settings: &SsiSettings) -> bool {
+fn is_echo(poles: &[Pole], weak: &[usize], mode: &[usize], settings: &StabilitySettings) -> bool {
     let (w, m) = (centre(poles, weak), centre(poles, mode));
-    let wide = SsiSettings {
+    let wide = StabilitySettings {
         frequency_tolerance: ECHO_TOLERANCES * settings.frequency_tolerance,
         damping_tolerance: ECHO_TOLERANCES * settings.damping_tolerance,
         damping_tolerance_relative: ECHO_TOLERANCES * settings.damping_tolerance_relative,
@@ -235,42 +263,22 @@ fn mode(poles: &[Pole], cluster: &[usize], rms: &[f64]) -> Mode {
     let (freq_hz, damping) = (median(f()), median(zeta()));
     let nearest = centre(poles, cluster);
     let omega = TAU * freq_hz;
+    let (shape, turned) = largest_one(&nearest.shape, rms);
     Mode {
         freq_hz,
         damping,
         pole: [-omega * damping, omega * (1.0 - damping * damping).max(0.0).sqrt()],
-        shape: largest_one(&nearest.shape, rms),
+        shape,
         orders: cluster.len(),
         freq_scatter_hz: median(f().map(|x| (x - freq_hz).abs())),
         damping_scatter: median(zeta().map(|x| (x - damping).abs())),
         significance: significance(poles, cluster),
-        phase_collinearity: phase_collinearity(&nearest.shape),
+        phase_collinearity: phase_collinearity(&turned),
+        mean_phase_deg: mean_phase_deg(&turned),
+        mean_phase_deviation_deg: mean_phase_deviation_deg(&turned),
+        freq_sd_hz: None,
+        damping_sd: None,
     }
-}
-
-/// The shape in the channels' units, its largest component made 1.
-fn largest_one(shape: &[[f64; 2]], rms: &[f64]) -> Vec<ShapeComponent> {
-    let scaled: Vec<[f64; 2]> = shape.iter().zip(rms).map(|(s, rms)| [s[0] * rms, s[1] * rms]).collect();
-    let size = |s: &[f64; 2]| s[0] * s[0] + s[1] * s[1];
-    let pivot = scaled.iter().copied().max_by(|a, b| size(a).total_cmp(&size(b))).unwrap_or([1.0, 0.0]);
-    let square = size(&pivot).max(f64::MIN_POSITIVE);
-    let over_pivot = |s: &[f64; 2]| {
-        [(s[0] * pivot[0] + s[1] * pivot[1]) / square, (s[1] * pivot[0] - s[0] * pivot[1]) / square]
-    };
-    let component = |(channel, s): (usize, &[f64; 2])| {
-        let [re, im] = over_pivot(s);
-        ShapeComponent { channel, re, im }
-    };
-    scaled.iter().enumerate().map(component).collect()
-}
-
-/// ((Sxx − Syy)² + 4 Sxy²)/(Sxx + Syy)² of the real and imaginary parts: Vacher, Jacquier and Bucharles (2010).
-fn phase_collinearity(shape: &[[f64; 2]]) -> f64 {
-    let (xx, yy, xy) = shape
-        .iter()
-        .fold((0.0, 0.0, 0.0), |(xx, yy, xy), s| (xx + s[0] * s[0], yy + s[1] * s[1], xy + s[0] * s[1]));
-    let trace: f64 = xx + yy;
-    ((xx - yy).powi(2) + 4.0 * xy * xy) / (trace * trace).max(f64::MIN_POSITIVE)
 }
 
 /// The poles that were never stable, by reason and place.
@@ -284,6 +292,7 @@ fn never_stable(poles: &[Pole]) -> Vec<Rejected> {
         let reason = match status {
             PoleStatus::Stable => continue,
             PoleStatus::Growing => Reason::Growing,
+            PoleStatus::Mirror => Reason::Mirror,
             PoleStatus::Real => Reason::Real,
             PoleStatus::OutOfBand => Reason::OutOfBand,
             PoleStatus::FirstOrder => Reason::FirstOrder,
@@ -308,7 +317,7 @@ fn left_out(poles: &[Pole], members: &[usize], reason: Reason, why: String) -> R
     }
 }
 
-fn median(values: impl Iterator<Item = f64>) -> f64 {
+pub(super) fn median(values: impl Iterator<Item = f64>) -> f64 {
     let mut v: Vec<f64> = values.collect();
     if v.is_empty() {
         return 0.0;
@@ -332,8 +341,8 @@ mod tests {
     fn frequencies(poles: Vec<Pole>) -> (Vec<f64>, Vec<Reason>) {
         let orders = (2..=40).step_by(2).collect();
         let diagram = StabilizationDiagram { orders, poles };
-        let (modes, rejected) = modes(&diagram, &[1.0, 1.0], &SsiSettings::default());
-        (modes.iter().map(|m| m.freq_hz).collect(), rejected.iter().map(|r| r.reason).collect())
+        let (modes, rejected) = modes(&diagram, &[1.0, 1.0], &StabilitySettings::default());
+        (modes.iter().map(|m| m.mode.freq_hz).collect(), rejected.iter().map(|r| r.reason).collect())
     }
 
     #[test]

@@ -1,7 +1,8 @@
 //! The stabilisation diagram: the poles of all orders, each compared with the poles of the order before.
 
-use super::subspace::Realisation;
-use super::{SsiError, SsiSettings};
+use super::record::{Record, lag_weight};
+use super::shape::{modal_assurance, unit_norm};
+use super::{OperationalError, StabilitySettings};
 use crate::linalg::{C64, CMat, Mat, eigen, solve_complex};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -39,7 +40,7 @@ pub struct Pole {
     /// The mode shape at the channels, as [re, im], of norm one.
     pub shape: Vec<[f64; 2]>,
     /// How far the pole's part of the spectrum at its frequency stands above the sampling error of the spectrum
-    /// there, in standard deviations; 0 for one that does not decay.
+    /// there, in standard deviations; 0 for one that is not compared with the order before.
     pub significance: f64,
     /// Stable, or why not.
     pub status: PoleStatus,
@@ -53,6 +54,8 @@ pub enum PoleStatus {
     Stable,
     /// Re λ ≥ 0: it grows.
     Growing,
+    /// Re λ ≥ 0, and −λ* is a pole of the same order: full spectra have each pole twice.
+    Mirror,
     /// A real pole: no oscillation.
     Real,
     /// Outside the band, or near the Nyquist frequency.
@@ -74,6 +77,7 @@ impl PoleStatus {
         match self {
             PoleStatus::Stable => "stable",
             PoleStatus::Growing => "it grows (Re λ ≥ 0)",
+            PoleStatus::Mirror => "the mirror image of a decaying pole: full spectra have each twice",
             PoleStatus::Real => "a real pole: no oscillation",
             PoleStatus::OutOfBand => "outside the band, or near the Nyquist frequency",
             PoleStatus::FirstOrder => "the lowest order has none before it",
@@ -98,7 +102,7 @@ impl Pole {
 
 impl StabilizationDiagram {
     /// The same poles with the shapes of normalised channels multiplied by the channels' rms.
-    pub(super) fn in_units(mut self, rms: &[f64]) -> Self {
+    pub(in crate::identify) fn in_units(mut self, rms: &[f64]) -> Self {
         for pole in &mut self.poles {
             pole.shape.iter_mut().zip(rms).for_each(|(s, rms)| *s = [s[0] * rms, s[1] * rms]);
             unit_norm(&mut pole.shape);
@@ -107,68 +111,98 @@ impl StabilizationDiagram {
     }
 }
 
-/// What the record says about every pole's sampling error.
-pub(super) struct Record {
-    /// Sample rate.
-    pub rate_hz: f64,
-    /// Samples a channel.
-    pub samples: usize,
-    /// Lags used.
-    pub lags: usize,
-    /// Λ₀ of the normalised channels.
-    pub at_zero_lag: Mat,
-}
-
-/// The parts that the poles of one order have in the spectrum: S⁺(ω) = Σ_k φ_k g_kᵀ/(e^{iω} − μ_k).
-struct Parts {
-    /// μ.
-    values: Vec<C64>,
-    /// C Ψ: channels × n.
-    shapes: CMat,
-    /// Ψ⁻¹ G: n × channels; none where the eigenvectors are dependent.
-    inputs: Option<CMat>,
-}
-
-impl Parts {
-    fn new(r: &Realisation, values: &[C64], vectors: &CMat) -> Self {
-        let complex = |m: &Mat| CMat::from_fn(m.nrows(), m.ncols(), |i, j| C64::new(m[(i, j)], 0.0));
-        let inputs = solve_complex(vectors, &complex(&r.g)).ok();
-        Self { values: values.to_vec(), shapes: complex(&r.c) * vectors, inputs }
-    }
-
-    /// ‖part of pole k‖/‖S‖ at its own frequency, times √K with K the averages that the record has in the pole's
-    /// equivalent bandwidth πζf, but no narrower than the lags resolve.
-    fn significance(&self, k: usize, damping: f64, freq_hz: f64, record: &Record) -> f64 {
-        let Some(inputs) = &self.inputs else { return 0.0 };
-        if self.values[k].norm() >= 1.0 {
-            return 0.0; // its part has no spectrum
-        }
-        let (n, channels) = (self.values.len(), self.shapes.nrows());
-        let at = C64::new(0.0, self.values[k].arg()).exp();
-        // Σ_k w_k r^k/μ over the lags used, w_k = (1 + cos(πk/L))/2: what they can show of a pole, which may ring far
-        // beyond them, without the leakage of strong modes elsewhere
-        let one = C64::new(1.0, 0.0);
-        let sum = |r: C64| (one - r.powu(record.lags as u32)) / (one - r);
-        let turn = C64::new(0.0, std::f64::consts::PI / record.lags as f64).exp();
-        let seen = |m: usize| {
-            let r = self.values[m] / at;
-            let sides = turn * sum(r * turn) + turn.conj() * sum(r * turn.conj());
-            (sum(r) * 0.5 + sides * 0.25) / at
-        };
-        let seen: Vec<C64> = (0..n).map(seen).collect();
-        let mine = |i: usize, j: usize| self.shapes[(i, k)] * inputs[(k, j)] * seen[k];
-        let half = |i: usize, j: usize| -> C64 {
-            (0..n).map(|m| self.shapes[(i, m)] * inputs[(m, j)] * seen[m]).sum()
-        };
-        // S = Λ₀ + S⁺ + S⁺ᴴ: the half spectrum alone has an imaginary part that falls off too slowly
-        let (mut part, mut whole) = (0.0, 0.0);
-        for i in 0..channels {
-            for j in 0..channels {
-                part += (mine(i, j) + mine(j, i).conj()).norm_sqr();
-                whole += (half(i, j) + half(j, i).conj() + record.at_zero_lag[(i, j)]).norm_sqr();
+impl StabilizationDiagram {
+    /// Calls the growing poles mirror images that stand opposite a decaying pole of their order, within this fraction of
+    /// its |λ|.
+    pub(in crate::identify) fn name_mirrors(&mut self, tolerance: f64) {
+        let decaying: Vec<(usize, [f64; 2])> =
+            self.poles.iter().filter(|p| p.pole[0] < 0.0).map(|p| (p.order, p.pole)).collect();
+        for pole in self.poles.iter_mut().filter(|p| p.status == PoleStatus::Growing) {
+            let opposite = |p: &[f64; 2]| {
+                (p[0] + pole.pole[0]).hypot(p[1] - pole.pole[1]) <= tolerance * p[0].hypot(p[1])
+            };
+            if decaying.iter().any(|(order, p)| *order == pole.order && opposite(p)) {
+                pole.status = PoleStatus::Mirror;
             }
         }
-        let resolved = LAG_WINDOW * record.rate_hz / record.lags as f64;
+    }
+}
+
+/// One order's poles before they are judged.
+pub(in crate::identify) struct OrderModel {
+    /// Model order.
+    pub order: usize,
+    /// All of them.
+    pub poles: Vec<ModelPole>,
+}
+
+/// A pole μ of the sampled model, and its part φ gᵀ μ^{k−1} of the correlations Λ_k of normalised channels.
+#[derive(Clone)]
+pub(in crate::identify) struct ModelPole {
+    /// e^{λ/rate}.
+    pub mu: C64,
+    /// φ: channels.
+    pub shape: Vec<C64>,
+    /// g: references; none where the eigenvectors are dependent.
+    pub input: Option<Vec<C64>>,
+}
+
+impl OrderModel {
+    /// The poles of Λ_k = C A^{k−1} G (channels × n, n × n, n × references).
+    pub fn of_realisation(a: &Mat, c: &Mat, g: &Mat) -> Result<Self, OperationalError> {
+        let (values, vectors) = eigen(a)?;
+        let complex = |m: &Mat| CMat::from_fn(m.nrows(), m.ncols(), |i, j| C64::new(m[(i, j)], 0.0));
+        let inputs = solve_complex(&vectors, &complex(g)).ok();
+        let shapes = complex(c) * &vectors;
+        let poles = values.iter().enumerate().map(|(k, mu)| ModelPole {
+            mu: *mu,
+            shape: (0..c.nrows()).map(|i| shapes[(i, k)]).collect(),
+            input: inputs.as_ref().map(|g| (0..g.ncols()).map(|j| g[(k, j)]).collect()),
+        });
+        Ok(Self { order: a.nrows(), poles: poles.collect() })
+    }
+}
+
+impl ModelPole {
+    /// λ = rate · ln μ; a dead-beat pole is put where its logarithm ends.
+    pub fn lambda(&self, rate_hz: f64) -> C64 {
+        if self.mu.norm() < DEAD_BEAT {
+            C64::new(DEAD_BEAT.ln() * rate_hz, 0.0)
+        } else {
+            // −0 + 0 is +0: a real negative μ has its logarithm at +π
+            C64::new(self.mu.re, self.mu.im + 0.0).ln() * rate_hz
+        }
+    }
+
+    /// ‖part of the pole‖/‖S‖ at its own frequency, times √K with K the averages that the record has in the pole's
+    /// equivalent bandwidth πζf, but no narrower than the lags resolve.
+    fn significance(&self, record: &Record) -> f64 {
+        let Some(input) = &self.input else { return 0.0 };
+        if self.mu.norm() >= 1.0 {
+            return 0.0; // its part has no spectrum
+        }
+        let lambda = self.lambda(record.rate_hz);
+        let (freq_hz, damping) = (lambda.norm() / TAU, -lambda.re / lambda.norm());
+        let at = C64::new(0.0, self.mu.arg()).exp();
+        // Σ_k w_k r^k/at over the lags used: what they can show of a pole, which may ring far beyond them
+        let lags = record.lags();
+        let one = C64::new(1.0, 0.0);
+        let sum = |r: C64| (one - r.powu(lags as u32)) / (one - r);
+        let turn = C64::new(0.0, std::f64::consts::PI / lags as f64).exp();
+        let r = self.mu / at;
+        debug_assert!((lag_weight(1, lags) - (0.5 + 0.25 * (turn + turn.conj()).re)).abs() < 1e-9);
+        let sides = turn * sum(r * turn) + turn.conj() * sum(r * turn.conj());
+        let seen = (sum(r) * 0.5 + sides * 0.25) / at;
+        let mine = |i: usize, j: usize| self.shape[i] * input[j] * seen;
+        // S = Λ₀ + S⁺ + S⁺ᴴ: the half spectrum alone has an imaginary part that falls off too slowly
+        let mut part = 0.0;
+        for i in 0..self.shape.len() {
+            for j in 0..input.len() {
+                part += (mine(i, j) + mine(j, i).conj()).norm_sqr();
+            }
+        }
+        let whole = record.spectrum_square(self.mu.arg());
+        let resolved = LAG_WINDOW * record.rate_hz / lags as f64;
         let bandwidth = (std::f64::consts::PI * damping.abs() * freq_hz).max(resolved);
         let averages = bandwidth * record.samples as f64 / record.rate_hz;
         let sigmas = (part / whole.max(f64::MIN_POSITIVE) * averages).sqrt();
@@ -176,15 +210,26 @@ impl Parts {
     }
 }
 
+/// The pole among `poles` (all of one order) nearest to λ, no further than this part of |λ|: λ in rad/s.
+pub(in crate::identify) fn nearest_pole(
+    poles: &[ModelPole],
+    lambda: C64,
+    rate_hz: f64,
+    tolerance: f64,
+) -> Option<C64> {
+    let away = |l: &C64| (l - lambda).norm();
+    let all = poles.iter().map(|p| p.lambda(rate_hz));
+    all.min_by(|a, b| away(a).total_cmp(&away(b))).filter(|l| away(l) <= tolerance * lambda.norm())
+}
+
 /// The poles of all orders with their statuses.
-pub(super) fn diagram(
-    realisations: &[Realisation],
+pub(in crate::identify) fn diagram(
+    models: &[OrderModel],
     record: &Record,
-    settings: &SsiSettings,
-) -> Result<StabilizationDiagram, SsiError> {
-    let per_order: Vec<Vec<Pole>> =
-        realisations.par_iter().map(|r| poles_of(r, record, settings)).collect::<Result<_, SsiError>>()?;
-    let orders = realisations.iter().map(|r| r.a.nrows()).collect();
+    settings: &StabilitySettings,
+) -> StabilizationDiagram {
+    let per_order: Vec<Vec<Pole>> = models.par_iter().map(|m| poles_of(m, record, settings)).collect();
+    let orders = models.iter().map(|m| m.order).collect();
     let mut poles: Vec<Pole> = Vec::new();
     let mut before: &[Pole] = &[];
     for (k, here) in per_order.iter().enumerate() {
@@ -197,22 +242,15 @@ pub(super) fn diagram(
         }));
         before = here;
     }
-    Ok(StabilizationDiagram { orders, poles })
+    StabilizationDiagram { orders, poles }
 }
 
 /// The poles of one order, of a pair the one with Im > 0; `Stable` stands for "still to be compared".
-fn poles_of(r: &Realisation, record: &Record, settings: &SsiSettings) -> Result<Vec<Pole>, SsiError> {
+fn poles_of(model: &OrderModel, record: &Record, settings: &StabilitySettings) -> Vec<Pole> {
     let rate_hz = record.rate_hz;
-    let (values, vectors) = eigen(&r.a)?;
-    let parts = Parts::new(r, &values, &vectors);
-    let (order, mut poles) = (r.a.nrows(), Vec::new());
-    for (k, mu) in values.iter().enumerate() {
-        if mu.im < 0.0 {
-            continue;
-        }
-        // a dead-beat pole is put where its logarithm ends; its status says real
-        let lambda =
-            if mu.norm() < DEAD_BEAT { C64::new(DEAD_BEAT.ln() * rate_hz, 0.0) } else { mu.ln() * rate_hz };
+    let mut poles = Vec::new();
+    for model_pole in model.poles.iter().filter(|p| !(p.mu.im < 0.0)) {
+        let (mu, lambda) = (model_pole.mu, model_pole.lambda(rate_hz));
         let size = lambda.norm();
         let freq_hz = size / TAU;
         let in_band = match settings.band_hz {
@@ -228,20 +266,21 @@ fn poles_of(r: &Realisation, record: &Record, settings: &SsiSettings) -> Result<
         } else {
             PoleStatus::Stable
         };
-        let mut shape: Vec<[f64; 2]> =
-            (0..r.c.nrows()).map(|i| [parts.shapes[(i, k)].re, parts.shapes[(i, k)].im]).collect();
+        let mut shape: Vec<[f64; 2]> = model_pole.shape.iter().map(|s| [s.re, s.im]).collect();
         unit_norm(&mut shape);
         let damping = if size > 0.0 { -lambda.re / size } else { 0.0 };
+        // what takes no part in the comparison needs no significance
+        let judged = status == PoleStatus::Stable;
+        let significance = if judged { model_pole.significance(record) } else { 0.0 };
         let pole = [lambda.re, lambda.im];
-        let significance = parts.significance(k, damping, freq_hz, record);
-        poles.push(Pole { order, freq_hz, damping, pole, shape, significance, status });
+        poles.push(Pole { order: model.order, freq_hz, damping, pole, shape, significance, status });
     }
     poles.sort_by(|a, b| a.freq_hz.total_cmp(&b.freq_hz));
-    Ok(poles)
+    poles
 }
 
 /// How a pole stands to the poles of the order before.
-fn compared(pole: &Pole, before: &[Pole], settings: &SsiSettings) -> PoleStatus {
+fn compared(pole: &Pole, before: &[Pole], settings: &StabilitySettings) -> PoleStatus {
     let mut status = PoleStatus::NewFrequency;
     for other in before.iter().filter(|p| p.status == PoleStatus::Stable) {
         if !near_frequency(pole, other, settings) {
@@ -251,7 +290,7 @@ fn compared(pole: &Pole, before: &[Pole], settings: &SsiSettings) -> PoleStatus 
             if status == PoleStatus::NewFrequency {
                 status = PoleStatus::NewDamping;
             }
-        } else if mac(&pole.shape, &other.shape) < settings.min_mac {
+        } else if modal_assurance(&pole.shape, &other.shape) < settings.min_mac {
             status = PoleStatus::NewShape;
         } else {
             return PoleStatus::Stable;
@@ -261,31 +300,12 @@ fn compared(pole: &Pole, before: &[Pole], settings: &SsiSettings) -> PoleStatus 
 }
 
 /// Whether two poles' frequencies agree within the tolerance.
-pub(super) fn near_frequency(a: &Pole, b: &Pole, settings: &SsiSettings) -> bool {
+pub(super) fn near_frequency(a: &Pole, b: &Pole, settings: &StabilitySettings) -> bool {
     (a.freq_hz - b.freq_hz).abs() <= settings.frequency_tolerance * a.freq_hz.max(b.freq_hz)
 }
 
 /// Whether two poles' damping ratios agree within the tolerances.
-pub(super) fn near_damping(a: &Pole, b: &Pole, settings: &SsiSettings) -> bool {
+pub(super) fn near_damping(a: &Pole, b: &Pole, settings: &StabilitySettings) -> bool {
     let relative = settings.damping_tolerance_relative * a.damping.max(b.damping);
     (a.damping - b.damping).abs() <= settings.damping_tolerance.max(relative)
-}
-
-/// Modal assurance criterion |aᴴb|²/(aᴴa · bᴴb).
-pub(super) fn mac(a: &[[f64; 2]], b: &[[f64; 2]]) -> f64 {
-    let (mut re, mut im, mut aa, mut bb) = (0.0, 0.0, 0.0, 0.0);
-    for (x, y) in a.iter().zip(b) {
-        re += x[0] * y[0] + x[1] * y[1];
-        im += x[0] * y[1] - x[1] * y[0];
-        aa += x[0] * x[0] + x[1] * x[1];
-        bb += y[0] * y[0] + y[1] * y[1];
-    }
-    (re * re + im * im) / (aa * bb).max(f64::MIN_POSITIVE)
-}
-
-fn unit_norm(shape: &mut [[f64; 2]]) {
-    let norm = shape.iter().map(|s| s[0] * s[0] + s[1] * s[1]).sum::<f64>().sqrt();
-    if norm > 0.0 {
-        shape.iter_mut().for_each(|s| *s = [s[0] / norm, s[1] / norm]);
-    }
 }
