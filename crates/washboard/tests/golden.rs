@@ -26,7 +26,7 @@ fn comes_out_the_same<T: Serialize + DeserializeOwned>(name: &str) {
 
 #[test]
 fn specifications_keep_their_keys() {
-    for job in ["modes", "ride", "simulate", "identify", "demo"] {
+    for job in ["modes", "ride", "simulate", "identify", "demo", "damping"] {
         comes_out_the_same::<Spec>(&format!("spec-{job}.json"));
         let mut stray = golden(&format!("spec-{job}.json"));
         stray["stray"] = Value::Bool(true);
