@@ -101,9 +101,9 @@ fn the_body_obeys_newton() {
     assert!((linear / size).sqrt() > 0.3, "{:e}", (linear / size).sqrt());
 }
 
-/// What the last halving changed bounds the error: the same drive recorded twice as densely (other steps) agrees.
+/// The same bits on any number of threads, and a last halving that changed less than it may.
 #[test]
-fn steps_do_not_show() {
+fn threads_change_no_bit_of_a_curve() {
     let vehicle = VehicleSpec::from(quarter()).build_alone().unwrap();
     let road = cases::road("iso8608-d").unwrap();
     let sensors = [channel(Quantity::Acceleration, Place::Hub, 0)];
