@@ -29,6 +29,7 @@ enum Command {
     Demo(commands::demo::Arguments),
     Cases(commands::cases::Arguments),
     Modes(commands::modes::Arguments),
+    Damping(commands::damping::Arguments),
     Ride(commands::ride::Arguments),
     Simulate(commands::simulate::Arguments),
     Identify(commands::identify::Arguments),
@@ -40,6 +41,7 @@ fn main() -> ExitCode {
     let run = match cli.command {
         Command::Demo(a) => commands::demo::run(a, cli.output),
         Command::Cases(a) => commands::cases::run(a, cli.output),
+        Command::Damping(a) => commands::damping::run(a, cli.output),
         Command::Modes(a) => commands::modes::run(a, cli.output),
         Command::Ride(a) => commands::ride::run(a, cli.output),
         Command::Simulate(a) => commands::simulate::run(a, cli.output),

@@ -115,6 +115,26 @@ fn modes_and_ride_print_tables_and_json() {
     assert!(table.contains("front left") && !table.contains("suspension_travel_front"), "{table}");
 }
 
+/// A car with a damper curve: rougher roads soften a digressive one, in the table and in JSON; without one it is refused.
+#[test]
+fn damping_against_roughness() {
+    let folder = Folder::new("damping");
+    let car = folder.ok("cases turkay-quarter-car");
+    folder.file(
+        "car.toml",
+        &format!("{car}\ndamper_curve = [[-0.3, -500.0], [0.0, 0.0], [0.1, 150.0], [1.0, 600.0]]\n"),
+    );
+    let found = folder.json("damping car.toml --speed-m-s 20");
+    let roads = found["roads"].as_array().unwrap();
+    let c: Vec<f64> = roads.iter().map(|r| r["dampers"][0]["damping_n_s_per_m"].as_f64().unwrap()).collect();
+    assert!(c.len() == 5 && c.windows(2).all(|w| w[1] < w[0]), "{c:?}");
+    assert_eq!(roads[0]["modes"].as_array().unwrap().len(), 2);
+    let table = folder.ok("damping car.toml --speed-m-s 20 --road case:iso8608-b --road case:iso8608-d");
+    assert!(table.contains("iso8608-d") && table.contains("N·s/m") && table.contains("% damping"), "{table}");
+    folder.wrong("damping case:turkay-quarter-car --speed-m-s 20", &["turkay-quarter-car", "damper_curve"]);
+    folder.wrong("damping car.toml --speed-m-s 0", &["speed_m_s", "found 0"]);
+}
+
 #[test]
 fn simulate_writes_three_files_and_the_same_ones_again() {
     let folder = Folder::new("simulate");

@@ -3,7 +3,7 @@
 use crate::cases::CaseError;
 use crate::files::FileError;
 use crate::signal::SignalError;
-use crate::vehicle::{RideError, SimulateError, VehicleError};
+use crate::vehicle::{LineariseError, RideError, SimulateError, VehicleError};
 use thiserror::Error;
 
 /// What is refused of a job.
@@ -30,6 +30,14 @@ pub enum StudyError {
         name: String,
         /// Why.
         source: RideError,
+    },
+    /// Dampers that have no linear equivalent on a road.
+    #[error("{name}: {source}")]
+    Linearise {
+        /// The vehicle's file or `case:NAME`, and the road's.
+        name: String,
+        /// Why.
+        source: LineariseError,
     },
     /// A drive that cannot be simulated.
     #[error(transparent)]
@@ -58,6 +66,8 @@ impl StudyError {
             StudyError::Ride { source, .. } | StudyError::Simulate(SimulateError::Ride(source)) => {
                 !numerical(source)
             }
+            StudyError::Linearise { source: LineariseError::Ride(source), .. } => !numerical(source),
+            StudyError::Linearise { source: LineariseError::NotConverged { .. }, .. } => false,
             StudyError::Simulate(SimulateError::Steps { .. }) => false,
             _ => true,
         }

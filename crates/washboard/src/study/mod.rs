@@ -2,6 +2,7 @@
 //!
 //! A command line, a Python module and a web page all fill in a [`Spec`] and show an outcome; none of them computes.
 
+mod damping;
 mod demo;
 mod drives;
 mod envelope;
@@ -23,6 +24,7 @@ mod simulate;
 mod spec;
 mod spectra_plot;
 
+pub use damping::{DampingOnRoad, DampingOutcome, EquivalentDamper, damping};
 pub use demo::demo;
 pub use envelope::{Envelope, Input, SCHEMA_VERSION, is_result_of, read_result};
 pub use error::StudyError;
@@ -34,4 +36,6 @@ pub use named::Named;
 pub use ride::{Infinite, RideOutcome, RideSpectra, Rms, ride};
 pub use sensors::{SensorRow, SensorsFile};
 pub use simulate::{DriveTruth, SimulateOutcome, SimulateRun, SimulatedChannel, TrueNoise, simulate};
-pub use spec::{DemoSpec, IdentifyMethod, IdentifySpec, ModesSpec, RideSpec, SimulateSpec, Spec};
+pub use spec::{
+    DampingSpec, DemoSpec, IdentifyMethod, IdentifySpec, ModesSpec, RideSpec, SimulateSpec, Spec,
+};

@@ -2,6 +2,7 @@
 
 use super::{Input, LoadedVehicle, ModesSpec, ShapeValue, StudyError, load_vehicle};
 use crate::lti::ModeKind;
+use crate::vehicle::{Vehicle, VehicleError};
 use serde::{Deserialize, Serialize};
 
 /// The modes of a vehicle.
@@ -65,9 +66,12 @@ pub fn modes(spec: &ModesSpec) -> Result<(ModesOutcome, Vec<Input>), StudyError>
 
 /// The modes of a loaded vehicle.
 pub(super) fn vehicle_modes(loaded: &LoadedVehicle) -> Result<Vec<VehicleMode>, StudyError> {
-    let vehicle = &loaded.vehicle;
-    let found =
-        vehicle.modes().map_err(|source| StudyError::Vehicle { name: loaded.name.clone(), source })?;
+    modes_of(&loaded.vehicle).map_err(|source| StudyError::Vehicle { name: loaded.name.clone(), source })
+}
+
+/// The modes of a vehicle.
+pub(super) fn modes_of(vehicle: &Vehicle) -> Result<Vec<VehicleMode>, VehicleError> {
+    let found = vehicle.modes()?;
     let shape = |mode: &crate::lti::Mode| {
         let values = vehicle.shape_places().iter().zip(&mode.shape);
         values.map(|(dof, z)| ShapeValue { dof: dof.clone(), re: z.re, im: z.im }).collect()

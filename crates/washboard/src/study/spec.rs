@@ -19,6 +19,8 @@ pub enum Spec {
     Identify(IdentifySpec),
     /// See [`demo`](super::demo).
     Demo(DemoSpec),
+    /// See [`damping`](super::damping).
+    Damping(DampingSpec),
 }
 
 /// The modes of a vehicle.
@@ -37,6 +39,19 @@ pub struct RideSpec {
     pub vehicle: String,
     /// A road file or `case:NAME`.
     pub road: String,
+    /// Forward speed.
+    pub speed_m_s: f64,
+}
+
+/// Equivalent linear damping of dampers with curves.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct DampingSpec {
+    /// A vehicle file or `case:NAME`.
+    pub vehicle: String,
+    /// Road files or `case:NAME`; ISO classes A to E where there is none.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub roads: Vec<String>,
     /// Forward speed.
     pub speed_m_s: f64,
 }

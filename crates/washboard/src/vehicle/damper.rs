@@ -59,9 +59,14 @@ impl DamperCurve {
     /// F(v) in N.
     #[must_use]
     pub fn force(&self, velocity_m_s: f64) -> f64 {
-        let upper = self.0.partition_point(|p| p[0] < velocity_m_s).clamp(1, self.0.len() - 1);
-        let [[v0, f0], [v1, f1]] = [self.0[upper - 1], self.0[upper]];
+        let piece = self.piece(velocity_m_s);
+        let [[v0, f0], [v1, f1]] = [self.0[piece], self.0[piece + 1]];
         f0 + (f1 - f0) / (v1 - v0) * (velocity_m_s - v0)
+    }
+
+    /// Which straight piece a velocity is on.
+    pub(super) fn piece(&self, velocity_m_s: f64) -> usize {
+        self.0.partition_point(|p| p[0] < velocity_m_s).clamp(1, self.0.len() - 1) - 1
     }
 
     fn slopes(&self) -> impl Iterator<Item = ([f64; 2], f64)> + '_ {

@@ -1,15 +1,13 @@
 //! What a sensor does besides measuring: a late filter, a clock of its own, noise, bias, clipping, rounding.
 
-use super::synthesis::{RoadInput, series};
+use super::synthesis::{RoadInput, between, series};
 use super::{GUARD_S, SimulateError};
 use crate::linalg::C64;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
-/// A series is made this much denser before it is read between its samples …
+/// A series is made this much denser before it is read between its samples: see [`between`].
 const DENSER: usize = 8;
-/// … by a polynomial through this many of them: what is below half the sampling rate comes out to 1e-12.
-const POINTS: usize = 16;
 
 /// What a sensor does besides measuring.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -82,22 +80,4 @@ impl Flaws {
         }
         self.noise_ratio * rms
     }
-}
-
-/// A periodic series at a place between its samples: Lagrange's polynomial through the nearest ones, barycentric.
-fn between(x: &[f64], at: f64) -> f64 {
-    let first = at.floor() - (POINTS / 2 - 1) as f64;
-    let (mut above, mut below, mut weight) = (0.0, 0.0, 1.0);
-    for j in 0..POINTS {
-        let value = x[(first as isize + j as isize).rem_euclid(x.len() as isize) as usize];
-        let distance = at - (first + j as f64);
-        if distance == 0.0 {
-            return value;
-        }
-        above += weight / distance * value;
-        below += weight / distance;
-        // (−1)^j times binomial coefficients
-        weight *= -((POINTS - 1 - j) as f64) / (j + 1) as f64;
-    }
-    above / below
 }

@@ -1,16 +1,18 @@
 //! Dampers with curves: what they add to the exact response of the linear vehicle, integrated in time.
 
 use super::super::DamperCurve;
-use super::synthesis::{RoadInput, series, spectrum};
+use super::synthesis::{RoadInput, between, series, spectrum};
 use super::{GUARD_S, MAX_SAMPLES, SimulateError};
 use crate::linalg::{C64, LinalgError, Mat, eigen, solve};
 use rayon::prelude::*;
 
-/// What a halving of the step may change in the end, as a share of each channel's rms. The kinks of a curve make the error
-/// fall with the square of the step, so that what is left is a third of it.
+/// What a halving of the step may change in the end, as a share of each channel's rms. At kinks of a curve the error falls
+/// with the square of the step, elsewhere with the fourth power: what is left is a third of it, or less.
 const STEP_TOLERANCE: f64 = 1e-5;
+/// A step in which a damper passes a kink is taken in this many, so that kinks do not rule the steps of all.
+const STEPS_AT_KINK: usize = 16;
 /// Steps a second at first, and at least this many in the time constant of the fastest pole.
-const STEPS_PER_SECOND: f64 = 1600.0;
+const STEPS_PER_SECOND: f64 = 800.0;
 const STEPS_PER_TIME_CONSTANT: f64 = 10.0;
 /// Instants per sample, at least: the road reaches up to twice the sampling rate.
 const LEAST_INSTANTS: usize = 6;
@@ -20,7 +22,8 @@ const MAX_HALVINGS: usize = 6;
 ///
 /// With the linear vehicle's exact response q₀ and dampers of velocity v = R q̇, q = q₀ + w solves
 /// M ẅ + C ẇ + K w = −Rᵀ g(v₀ + R ẇ), g = F(v) − c v: exact road, exact delays, no difference of large numbers. Classical
-/// Runge–Kutta of order 4 with v₀ at its own instants, over the period and a run-up of 20 s that forgets w = 0.
+/// Runge–Kutta of order 4 with v₀ at its own instants (between them where a kink
+/// is passed in small steps), over the period and a run-up of 20 s that forgets w = 0.
 pub(super) fn difference(
     input: &RoadInput<'_>,
     looks: &[(Vec<f64>, usize)],
@@ -33,7 +36,9 @@ pub(super) fn difference(
     let mut last: Option<Vec<Vec<C64>>> = None;
     let mut reached = f64::INFINITY;
     for _ in 0..=MAX_HALVINGS {
-        let numbers = input.period() as f64 * instants as f64 * (equations.curves.len() + looks.len()) as f64;
+        // velocities at every instant, channels at every second one
+        let series = equations.curves.len() as f64 + looks.len() as f64 / 2.0;
+        let numbers = input.period() as f64 * instants as f64 * series;
         if numbers > MAX_SAMPLES {
             break;
         }
@@ -98,8 +103,14 @@ impl<'a> Equations<'a> {
         Ok(poles.iter().map(|p| p.norm()).fold(0.0, f64::max))
     }
 
-    /// ẅ at (w, ẇ) where the linear vehicle's dampers move with v₀.
-    fn acceleration(&self, w: &[f64], rate: &[f64], v0: &dyn Fn(usize) -> f64, out: &mut [f64]) {
+    /// ẅ at (w, ẇ) where the linear vehicle's dampers move with v₀; `pieces` becomes each curve's piece.
+    fn acceleration(
+        &self,
+        [w, rate]: [&[f64]; 2],
+        v0: impl Fn(usize) -> f64,
+        out: &mut [f64],
+        pieces: &mut [usize],
+    ) {
         let n = w.len();
         for (i, value) in out.iter_mut().enumerate() {
             *value =
@@ -108,53 +119,101 @@ impl<'a> Equations<'a> {
         for (j, (curve, linear)) in self.curves.iter().enumerate() {
             let v = v0(j) + self.rows[j].iter().zip(rate).map(|(r, x)| r * x).sum::<f64>();
             let g = curve.force(v) - linear * v;
+            pieces[j] = curve.piece(v);
             for (i, value) in out.iter_mut().enumerate() {
                 *value -= self.force[(i, j)] * g;
             }
         }
     }
 
+    /// One step of length h from `state`, with v₀ of each damper at its stages 0, 1/2 and 1; whether a kink was passed.
+    fn step(&self, state: &mut State, h: f64, v0: impl Fn(f64, usize) -> f64) -> bool {
+        let n = state.w.len();
+        for (stage, ahead) in [0.0, 0.5, 0.5, 1.0].into_iter().enumerate() {
+            for i in 0..n {
+                let [dw, dv] = match stage {
+                    0 => [0.0, 0.0],
+                    _ => [state.k[stage - 1][0][i], state.k[stage - 1][1][i]],
+                };
+                state.at[i] = state.w[i] + ahead * h * dw;
+                state.speed[i] = state.rate[i] + ahead * h * dv;
+            }
+            let [first, second] = &mut state.k[stage];
+            first.copy_from_slice(&state.speed);
+            let pieces = &mut state.pieces[stage];
+            self.acceleration([&state.at, &state.speed], |j| v0(ahead, j), second, pieces);
+        }
+        for i in 0..n {
+            let mean = |part: usize| {
+                let [a, b, c, d] = [0, 1, 2, 3].map(|stage| state.k[stage][part][i]);
+                (a + 2.0 * (b + c) + d) / 6.0
+            };
+            let [dw, dv] = [mean(0), mean(1)];
+            state.w[i] += h * dw;
+            state.rate[i] += h * dv;
+        }
+        state.pieces.iter().any(|p| *p != state.pieces[0])
+    }
+
     /// The recorded frequencies of every channel with `instants` (even) instants a sample, two a step.
     fn integrate(&self, input: &RoadInput<'_>, instants: usize) -> Vec<Vec<C64>> {
-        let n = input.vehicle.system().order();
         let len = input.period() * instants;
         let velocity: Vec<(Vec<f64>, usize)> = self.rows.iter().map(|row| (row.clone(), 1)).collect();
         let v0: Vec<Vec<f64>> =
             input.responses(&velocity, input.bins()).into_par_iter().map(|s| series(s, len)).collect();
         let h = 2.0 / (instants as f64 * input.settings.rate_hz);
         let (steps, run_up) = (len / 2, ((GUARD_S / h).ceil() as usize).min(len / 2));
-        let (mut w, mut rate) = (vec![0.0; n], vec![0.0; n]);
-        let mut k: [[Vec<f64>; 2]; 4] = std::array::from_fn(|_| [vec![0.0; n], vec![0.0; n]]);
-        let (mut at, mut speed) = (vec![0.0; n], vec![0.0; n]);
+        let mut state = State::new(input.vehicle.system().order(), self.curves.len());
         let mut channels = vec![vec![0.0; steps]; self.looks.len()];
         let run = (steps - run_up..steps).map(|i| (i, false)).chain((0..steps).map(|i| (i, true)));
         for (step, recorded) in run {
-            for stage in 0..4 {
-                let (ahead, instant) = [(0.0, 0), (0.5, 1), (0.5, 1), (1.0, 2)][stage];
-                at.copy_from_slice(&w);
-                speed.copy_from_slice(&rate);
-                if stage > 0 {
-                    for i in 0..n {
-                        at[i] += ahead * h * k[stage - 1][0][i];
-                        speed[i] += ahead * h * k[stage - 1][1][i];
-                    }
-                }
-                let now = (2 * step + instant) % len;
-                let [first, second] = &mut k[stage];
-                first.copy_from_slice(&speed);
-                self.acceleration(&at, &speed, &|j| v0[j][now], second);
-            }
+            let (w, rate) = (state.w.clone(), state.rate.clone());
+            let kink = self.step(&mut state, h, |ahead, j| v0[j][(2 * step + (2.0 * ahead) as usize) % len]);
             if recorded {
-                let motion = [&w, &rate, &k[0][1]];
-                for (channel, (row, d)) in channels.iter_mut().zip(self.looks) {
-                    channel[step] = row.iter().zip(motion[*d]).map(|(r, x)| r * x).sum();
+                for (channel, (row, _)) in channels.iter_mut().zip(self.looks) {
+                    channel[step] = row.iter().zip(&w).map(|(r, x)| r * x).sum();
                 }
             }
-            for i in 0..n {
-                w[i] += h / 6.0 * (k[0][0][i] + 2.0 * (k[1][0][i] + k[2][0][i]) + k[3][0][i]);
-                rate[i] += h / 6.0 * (k[0][1][i] + 2.0 * (k[1][1][i] + k[2][1][i]) + k[3][1][i]);
+            if kink {
+                (state.w, state.rate) = (w, rate);
+                let share = 1.0 / STEPS_AT_KINK as f64;
+                for part in 0..STEPS_AT_KINK {
+                    self.step(&mut state, h * share, |ahead, j| {
+                        between(&v0[j], 2.0 * (step as f64 + share * (part as f64 + ahead)))
+                    });
+                }
             }
         }
-        channels.into_par_iter().map(|c| spectrum(c, input.recorded())).collect()
+        // displacements are smooth where forces have kinks: derivatives are taken of their spectra, so that what lies
+        // above the steps' rate does not fold back
+        let derivative = |(displacement, (_, d)): (Vec<f64>, &(Vec<f64>, usize))| -> Vec<C64> {
+            let found = spectrum(displacement, input.recorded()).into_iter().enumerate();
+            found.map(|(k, y)| y * C64::new(0.0, input.omega(k)).powi(*d as i32)).collect()
+        };
+        channels.into_par_iter().zip(self.looks).map(derivative).collect()
+    }
+}
+
+/// (w, ẇ), and what a step needs: slopes of the four stages, where each looks, and the curves' pieces there.
+struct State {
+    w: Vec<f64>,
+    rate: Vec<f64>,
+    k: [[Vec<f64>; 2]; 4],
+    at: Vec<f64>,
+    speed: Vec<f64>,
+    pieces: [Vec<usize>; 4],
+}
+
+impl State {
+    fn new(n: usize, dampers: usize) -> Self {
+        let zero = || vec![0.0; n];
+        State {
+            w: zero(),
+            rate: zero(),
+            k: std::array::from_fn(|_| [zero(), zero()]),
+            at: zero(),
+            speed: zero(),
+            pieces: std::array::from_fn(|_| vec![0; dampers]),
+        }
     }
 }

@@ -16,6 +16,9 @@ use std::f64::consts::TAU;
 /// A vehicle whose dampers have curves mixes frequencies: its road reaches up to this multiple of half the sampling rate.
 const ROAD_REACH: usize = 4;
 
+/// Points of the polynomial between samples: it reads what is below an eighth of half the sampling rate to 1e-12.
+const POINTS: usize = 16;
+
 /// The road of one drive.
 pub(super) struct RoadInput<'a> {
     pub vehicle: &'a Vehicle,
@@ -119,6 +122,24 @@ pub(super) fn spectrum(mut data: Vec<f64>, bins: usize) -> Vec<C64> {
     out.truncate(bins);
     out.iter_mut().for_each(|z| *z *= scale);
     out
+}
+
+/// A periodic series at a place between its samples: Lagrange's polynomial through the nearest ones, barycentric.
+pub(super) fn between(x: &[f64], at: f64) -> f64 {
+    let first = at.floor() - (POINTS / 2 - 1) as f64;
+    let (mut above, mut below, mut weight) = (0.0, 0.0, 1.0);
+    for j in 0..POINTS {
+        let value = x[(first as isize + j as isize).rem_euclid(x.len() as isize) as usize];
+        let distance = at - (first + j as f64);
+        if distance == 0.0 {
+            return value;
+        }
+        above += weight / distance * value;
+        below += weight / distance;
+        // (−1)^j times binomial coefficients
+        weight *= -((POINTS - 1 - j) as f64) / (j + 1) as f64;
+    }
+    above / below
 }
 
 /// The next even number with no prime factor above 7.
