@@ -93,8 +93,12 @@ const overlay = (() => {
   outline["▲"] = outline["△"];
   outline["◆"] = outline["◇"];
 
-  function points(u, index, series, size) {
-    const { ctx, bbox } = u, px = devicePixelRatio, sign = signOf(series.sign || 0);
+  // estimates at one abscissa stand side by side, so that their error bars can be told apart
+  const STEP = 5;
+
+  function points(u, all, index, size) {
+    const { ctx, bbox } = u, px = devicePixelRatio, series = all[index], sign = signOf(series.sign || 0);
+    const aside = series.role === "estimates" ? STEP * px * (index - (all.length - 1) / 2) : 0;
     ctx.save();
     ctx.beginPath();
     ctx.rect(bbox.left - 6 * px, bbox.top - 6 * px, bbox.width + 12 * px, bbox.height + 12 * px);
@@ -104,9 +108,9 @@ const overlay = (() => {
     series.y.forEach((y, i) => {
       const x = u.data[0][i];
       if (y == null || x < u.scales.x.min || x > u.scales.x.max) return;
-      const at = u.valToPos(x, "x", true), e = series.error && series.error[i];
+      const at = u.valToPos(x, "x", true) + aside, e = series.error && series.error[i];
       if (e != null) {
-        const [low, high] = [y - e, y + e].map((v) => u.valToPos(v, "y", true)), w = 4 * px;
+        const [low, high] = [y - e, y + e].map((v) => u.valToPos(v, "y", true)), w = 2.2 * px;
         ctx.beginPath();
         ctx.moveTo(at, low); ctx.lineTo(at, high);
         ctx.moveTo(at - w, low); ctx.lineTo(at + w, low); ctx.moveTo(at - w, high); ctx.lineTo(at + w, high);

@@ -66,7 +66,7 @@
     const signed = (i) => i > 0 && styles[plot.series[i - 1].role].sign;
     const hooks = {
       drawAxes: [(u) => { overlay.modes(u, plot); overlay.limits(u, plot); }],
-      drawSeries: [(u, i) => { if (signed(i)) overlay.points(u, i, plot.series[i - 1], signed(i)); }],
+      drawSeries: [(u, i) => { if (signed(i)) overlay.points(u, plot.series, i - 1, signed(i)); }],
     };
     if (told) hooks.setCursor = [overlay.teller(plot)];
     const bands = plot.series.flatMap((s, i) => isLow(plot.series[i + 1] || s) && !isLow(s)
@@ -82,10 +82,13 @@
       cursor: { drag: { x: true, y: false }, points: { size: 6, show: !told }, ...(plot.group ? { sync: { key: plot.group } } : {}) },
     }, [plot.x, ...plot.series.map((s) => s.y)], place);
     // an interval's ends are no curves of their own; a sign stands for itself
-    u.root.querySelectorAll(".u-legend .u-series").forEach((row, i) => {
-      if (i > 0 && isEnd(plot.series[i - 1])) row.hidden = true;
-      if (signed(i)) row.classList.add("signed");
-      if (signed(i)) row.querySelector("th").style.color = plot.series[i - 1] ? overlay.signOf(plot.series[i - 1].sign || 0).color : "";
+    const rows = [...u.root.querySelectorAll(".u-legend .u-series")], first = rows.length - plot.series.length;
+    plot.series.forEach((s, k) => {
+      const row = rows[first + k];
+      if (isEnd(s)) row.hidden = true;
+      if (!signed(k + 1)) return;
+      row.classList.add("signed");
+      row.querySelector("th").style.color = overlay.signOf(s.sign || 0).color;
     });
     drawn.push({ u, place, height, wide });
   });

@@ -30,7 +30,7 @@ pub(super) fn full() -> IdentifyOutcome {
             ShapePoint { name: name(), place: "body".into(), at_m: [-1.5, 0.0], re: 0.5, im: 0.0 },
             ShapePoint { name: name(), place: "hub".into(), at_m: [1.0, 0.7], re: 0.3, im: 0.4 },
         ],
-        mpc: Some(0.8765),
+        mpc: Some(0.8768),
         mean_phase_deg: Some(-12.34),
     };
     let road = IdentifiedRoad {

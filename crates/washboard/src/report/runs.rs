@@ -11,7 +11,9 @@ use crate::study::{IdentifiedMode, IdentifyOutcome, RunSummary};
 /// Speeds that differ by less than this share are one speed.
 const SAME_SPEED: f64 = 0.02;
 /// Room beyond the first and last run, as a share of their distance.
-const ROOM: f64 = 0.08;
+const ROOM: f64 = 0.1;
+/// Neighbours further apart than this ratio of frequencies have their own plots: body and wheels.
+const APART: f64 = 1.7;
 
 /// What the poles are drawn against.
 struct Along {
@@ -32,19 +34,23 @@ pub(super) fn runs(outcome: &IdentifyOutcome, plots: &mut Plots) -> Option<Html>
     let mut body = paragraph(words(outcome, &along, drawn));
     let frequency = |m: &IdentifiedMode| (m.freq_hz, m.freq_sd_hz);
     let damping = |m: &IdentifiedMode| (100.0 * m.damping, m.damping_sd.map(|s| 100.0 * s));
-    let grid: Html = [
-        pole_map(outcome, &along, Axis::new("frequency", "Hz", false), &frequency),
-        pole_map(outcome, &along, Axis::new("damping ratio", "%", false), &damping),
-    ]
-    .into_iter()
-    .flatten()
-    .map(|plot| plots.add(plot))
-    .collect();
+    let grid: Html = groups(outcome)
+        .iter()
+        .flat_map(|labels| {
+            [
+                pole_map(outcome, &along, labels, Axis::new("frequency", "Hz", false), &frequency),
+                pole_map(outcome, &along, labels, Axis::new("damping ratio", "%", false), &damping),
+            ]
+        })
+        .flatten()
+        .map(|plot| plots.add(plot))
+        .collect();
     if grid != Html::default() {
         body.push(classed("div", "grid", grid));
         body.push(note(
-            "Points: each recording’s own modes with 95 % intervals, one sign and colour a motion. Dashed lines of the \
-             same colour: what all recordings share. A click on a motion below a plot hides or shows it.",
+            "Points: each recording’s own modes with 95 % intervals, one sign and colour a motion; those of one recording \
+             stand side by side. Dashed lines of the same colour: the result above. A click on a motion below a plot \
+             hides or shows it.",
         ));
     }
     body.push(run_table(&outcome.runs));
@@ -89,8 +95,29 @@ fn words(outcome: &IdentifyOutcome, along: &Along, drawn: usize) -> String {
 
 type Of<'a> = &'a dyn Fn(&IdentifiedMode) -> (f64, Option<f64>);
 
+/// The labels of all modes, those of neighbouring frequencies together.
+fn groups(outcome: &IdentifyOutcome) -> Vec<Vec<&str>> {
+    let mut labels: Vec<(f64, &str)> = Vec::new();
+    for mode in outcome.modes.iter().chain(outcome.runs.iter().flat_map(|r| &r.modes)) {
+        if mode.freq_hz.is_finite() && !labels.iter().any(|(_, l)| *l == mode.label) {
+            labels.push((mode.freq_hz, &mode.label));
+        }
+    }
+    labels.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let mut groups: Vec<Vec<&str>> = Vec::new();
+    let mut before = 0.0;
+    for (freq_hz, label) in labels {
+        match groups.last_mut() {
+            Some(group) if freq_hz <= APART * before => group.push(label),
+            _ => groups.push(vec![label]),
+        }
+        before = freq_hz;
+    }
+    groups
+}
+
 /// One curve of points a label, one line a shared mode.
-fn pole_map(outcome: &IdentifyOutcome, along: &Along, y_axis: Axis, of: Of) -> Option<Plot> {
+fn pole_map(outcome: &IdentifyOutcome, along: &Along, labels: &[&str], y_axis: Axis, of: Of) -> Option<Plot> {
     let mut runs: Vec<(f64, &RunSummary)> =
         along.values.iter().zip(&outcome.runs).filter_map(|(x, r)| x.map(|x| (x, r))).collect();
     runs.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -102,16 +129,15 @@ fn pole_map(outcome: &IdentifyOutcome, along: &Along, y_axis: Axis, of: Of) -> O
         let room = ROOM * (high - low).max(0.1 * high.abs());
         [low - room, high + room]
     };
-    let mut labels: Vec<&str> = Vec::new();
-    for mode in outcome.modes.iter().chain(runs.iter().flat_map(|(_, r)| &r.modes)) {
-        if !labels.contains(&mode.label.as_str()) {
-            labels.push(&mode.label);
-        }
-    }
     let x: Vec<f64> = runs.iter().map(|(x, _)| *x).collect();
     let x_axis = Axis::new(along.name, along.unit, along.log).within(left, right);
-    let title = y_axis.label.split(',').next().unwrap_or_default().to_owned();
-    let mut plot = Plot::new(format!("{title} over {}", along.name), &x, x_axis, y_axis);
+    let title = if y_axis.unit == "Hz" { "Frequency" } else { "Damping" };
+    let title = match labels {
+        [one] => format!("{title} over {}: {one}", along.name),
+        [first, .., last] => format!("{title} over {}: {first} to {last}", along.name),
+        [] => return None,
+    };
+    let mut plot = Plot::new(title, &x, x_axis, y_axis);
     let (mut least, mut most) = (f64::INFINITY, f64::NEG_INFINITY);
     let mut reach = |value: f64, error: f64| {
         if value.is_finite() {
