@@ -44,7 +44,7 @@
 
   function series(s) {
     const style = styles[s.role];
-    const out = { label: s.label, stroke: style.stroke, scale: s.second ? "second" : "y", value: (u, v) => numbers.value(v) };
+    const out = { label: s.label, stroke: style.stroke, scale: s.second ? "second" : "y", pxAlign: 0, value: (u, v) => numbers.value(v) };
     if (style.sign) {
       const sign = overlay.signOf(s.sign || 0);
       Object.assign(out, { label: `${sign.glyph} ${s.label}`, stroke: sign.color, paths: () => null, width: 0, points: { show: false } });

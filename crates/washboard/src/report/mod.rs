@@ -1,5 +1,6 @@
 //! Offline pages from outcomes alone: one file that fetches nothing, for a screen, a telephone or paper.
 
+mod compare;
 mod fit;
 mod foot;
 mod headline;
@@ -24,6 +25,8 @@ mod truth;
 mod fixture;
 
 use crate::study::IdentifyOutcome;
+pub use compare::compare_page;
+
 use html::Html;
 use page::{Page, Section};
 use plot::Plots;

@@ -82,7 +82,12 @@ fn name(index: usize, mode: &IdentifiedMode) -> Html {
 
 /// What the numbers on the plots stand for.
 pub(super) fn key(outcome: &IdentifyOutcome) -> String {
-    let name = |(k, m): (usize, &IdentifiedMode)| format!("{} {} {} Hz", k + 1, m.label, fixed(m.freq_hz, 2));
+    let name = |(k, m): (usize, &IdentifiedMode)| {
+        let (number, f) = (k + 1, fixed(m.freq_hz, 2));
+        // a label that only counts says nothing beside the number
+        let counts = m.label == format!("mode {number}");
+        if counts { format!("{number} at {f} Hz") } else { format!("{number} {} ({f} Hz)", m.label) }
+    };
     let names: Vec<String> = outcome.modes.iter().enumerate().map(name).collect();
     if names.is_empty() {
         String::new()
@@ -203,7 +208,7 @@ mod tests {
         let labels: Vec<String> = marks(&modes).into_iter().map(|m| m.label).collect();
         assert_eq!(labels, ["1", "2", "3"]);
         let outcome = IdentifyOutcome { modes, ..IdentifyOutcome::default() };
-        assert_eq!(key(&outcome), " Dashed verticals are the modes: 1 x 1.06 Hz, 2 x 8.13 Hz, 3 x 8.14 Hz.");
+        assert_eq!(key(&outcome), " Dashed verticals are the modes: 1 x (1.06 Hz), 2 x (8.13 Hz), 3 x (8.14 Hz).");
         assert!(marks(&[]).is_empty() && key(&IdentifyOutcome::default()).is_empty());
     }
 

@@ -18,11 +18,9 @@ const POINTS: usize = 81;
 /// The coherence of the tracks is drawn until it has fallen to this.
 const LEAST_COHERENCE: f64 = 0.02;
 
-/// S₀ and its standard deviation as ISO 8608 writes them: one-sided, per rad/m, at 1 rad/m.
+/// S₀ and its standard deviation as ISO 8608 writes them.
 pub(super) fn one_sided(road: &IdentifiedRoad) -> (f64, f64) {
-    // a factor between conventions does not depend on the speed
-    let convert = |s: f64| Convention::OneSidedRadPerM.density(road.convention.two_sided_time(s, 1.0), 1.0);
-    (convert(road.roughness_m3), convert(road.roughness_sd_m3))
+    road.one_sided()
 }
 
 /// Numbers of the road, and its spectrum on the class limits.

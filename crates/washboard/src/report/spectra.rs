@@ -96,7 +96,7 @@ fn abscissa(outcome: &IdentifyOutcome) -> Option<(Vec<usize>, Vec<f64>, Axis)> {
 }
 
 /// unit²/Hz of the channel's unit, or the density's unit where that is what the outcome has.
-fn density_unit(unit: &str) -> String {
+pub(super) fn density_unit(unit: &str) -> String {
     if unit.contains("/Hz") {
         unit.to_owned()
     } else if unit.contains(['/', '·', '*', ' ']) {

@@ -183,7 +183,7 @@ fn what_others_fill_in_reaches_the_page_with_its_numbers() {
     let mut plots = Plots::default();
     spectra::auto(&full(), &mut plots);
     // the numbers on the plots are explained below them
-    assert!(page.contains("Dashed verticals are the modes: 1 heave 1.06 Hz, 2 &lt;/script&gt;"));
+    assert!(page.contains("Dashed verticals are the modes: 1 heave (1.06 Hz), 2 &lt;/script&gt;"));
     let [high, low, _, measured] = &plots.0[0].series[..] else { panic!("{:?}", plots.0[0].series) };
     let at = |s: &plot::Series| s.y[5].unwrap();
     // six digits are kept of each

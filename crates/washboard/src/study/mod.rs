@@ -2,6 +2,10 @@
 //!
 //! A command line, a Python module and a web page all fill in a [`Spec`] and show an outcome; none of them computes.
 
+mod checked_result;
+mod compare;
+mod compare_modes;
+mod compare_outcome;
 mod demo;
 mod envelope;
 mod error;
@@ -19,6 +23,8 @@ mod simulate;
 mod spec;
 mod spectra_plot;
 
+pub use compare::{compare, compare_outcomes};
+pub use compare_outcome::*;
 pub use demo::demo;
 pub use envelope::{Envelope, Input, SCHEMA_VERSION, is_result_of, read_result};
 pub use error::StudyError;
@@ -30,4 +36,4 @@ pub use named::Named;
 pub use ride::{Infinite, RideOutcome, RideSpectra, Rms, ride};
 pub use sensors::{SensorRow, SensorsFile};
 pub use simulate::{DriveTruth, SimulateOutcome, SimulateRun, SimulatedChannel, TrueNoise, simulate};
-pub use spec::{DemoSpec, IdentifyMethod, IdentifySpec, ModesSpec, RideSpec, SimulateSpec, Spec};
+pub use spec::{CompareSpec, DemoSpec, IdentifyMethod, IdentifySpec, ModesSpec, RideSpec, SimulateSpec, Spec};

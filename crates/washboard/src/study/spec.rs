@@ -19,6 +19,8 @@ pub enum Spec {
     Identify(IdentifySpec),
     /// See [`demo`](super::demo).
     Demo(DemoSpec),
+    /// See [`compare`](super::compare).
+    Compare(CompareSpec),
 }
 
 /// The modes of a vehicle.
@@ -118,6 +120,16 @@ impl IdentifySpec {
             _ => Ok(()),
         }
     }
+}
+
+/// Two results side by side.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct CompareSpec {
+    /// The earlier result of `identify` or `demo`: its directory, or its `result.json`.
+    pub before: PathBuf,
+    /// The later one.
+    pub after: PathBuf,
 }
 
 /// The methods of identification.
