@@ -91,7 +91,8 @@ pub fn number(x: f64) -> String {
 pub fn with_sd(x: f64, sd: Option<f64>) -> String {
     match sd.filter(|s| s.is_finite() && *s > 0.0) {
         None => number(x),
-        Some(sd) if !(1e-6..1e4).contains(&sd) || x.abs() >= 1e6 || x.abs() < 1e-3 => {
+        // what is small beside its deviation is written as the deviation is
+        Some(sd) if !(1e-6..1e4).contains(&sd) || x.abs() >= 1e6 || x.abs().max(sd) < 1e-4 => {
             format!("{x:.3e} ± {sd:.1e}")
         }
         Some(sd) => {
@@ -123,6 +124,7 @@ mod tests {
         }
         assert_eq!(with_sd(1.234_56, Some(0.012_3)), "1.235 ± 0.012");
         assert_eq!(with_sd(1.6e-5, Some(2e-7)), "1.600e-5 ± 2.0e-7");
+        assert_eq!(with_sd(-6.95e-6, Some(1.7e-4)), "-0.00001 ± 0.00017");
     }
 
     #[test]

@@ -183,13 +183,16 @@ fn sample() -> Result<IdentifyOutcome, Box<dyn Error>> {
 
 /// Body corners and hubs: pitch is positive nose down, roll left side up.
 fn points(vehicle: &Vehicle, shape: &[C64]) -> Vec<ShapePoint> {
-    let at = |dof: &str| vehicle.dofs().iter().position(|d| d == dof).map_or(C64::new(0.0, 0.0), |k| shape[k]);
-    let body = vehicle.wheels().iter().map(|w| {
-        ("body", w, at("heave") - at("pitch") * w.at_m[0] + at("roll") * w.at_m[1])
-    });
+    let at =
+        |dof: &str| vehicle.dofs().iter().position(|d| d == dof).map_or(C64::new(0.0, 0.0), |k| shape[k]);
+    let body = vehicle
+        .wheels()
+        .iter()
+        .map(|w| ("body", w, at("heave") - at("pitch") * w.at_m[0] + at("roll") * w.at_m[1]));
     let hubs = vehicle.wheels().iter().map(|w| ("hub", w, at(&format!("unsprung_{}", w.name))));
     let all: Vec<_> = body.chain(hubs).collect();
-    let largest = all.iter().map(|p| p.2).fold(C64::new(1e-9, 0.0), |a, b| if b.norm() > a.norm() { b } else { a });
+    let largest =
+        all.iter().map(|p| p.2).fold(C64::new(1e-9, 0.0), |a, b| if b.norm() > a.norm() { b } else { a });
     let point = |(place, w, z): (&str, &washboard::vehicle::Wheel, C64)| {
         let (name, z) = (format!("{place} {}", w.name.replace('_', "-")), z / largest);
         ShapePoint { name, place: place.into(), at_m: w.at_m, re: z.re, im: z.im }
@@ -210,7 +213,8 @@ fn collinearity(shape: &[C64]) -> f64 {
 }
 
 fn starts() -> Vec<StartTried> {
-    let start = |name: &str, cost, chi, converged| StartTried { name: name.into(), cost, chi, converged, steps: 23 };
+    let start =
+        |name: &str, cost, chi, converged| StartTried { name: name.into(), cost, chi, converged, steps: 23 };
     vec![
         start("a small car", -48_213.71, 0.39, true),
         start("a van", -48_213.70, 0.39, true),
@@ -229,7 +233,12 @@ fn orders() -> Vec<OrderTried> {
         converged: true,
         chosen: modes == 7,
     };
-    vec![order(5, -44_000.0, 3.1), order(6, -47_800.0, 0.88), order(7, -48_213.7, 0.39), order(8, -48_219.9, 0.39)]
+    vec![
+        order(5, -44_000.0, 3.1),
+        order(6, -47_800.0, 0.88),
+        order(7, -48_213.7, 0.39),
+        order(8, -48_219.9, 0.39),
+    ]
 }
 
 /// Five drives at five speeds.
@@ -240,7 +249,14 @@ fn runs(modes: &[IdentifiedMode], near: &mut impl FnMut(f64, f64) -> f64) -> Vec
             let (f_sd, zeta_sd) = (4e-3 * m.freq_hz, 0.006);
             let (freq_hz, damping) = (near(m.freq_hz, f_sd), near(m.damping, zeta_sd));
             let label = m.label.clone();
-            IdentifiedMode { freq_hz, freq_sd_hz: Some(f_sd), damping, damping_sd: Some(zeta_sd), label, ..IdentifiedMode::default() }
+            IdentifiedMode {
+                freq_hz,
+                freq_sd_hz: Some(f_sd),
+                damping,
+                damping_sd: Some(zeta_sd),
+                label,
+                ..IdentifiedMode::default()
+            }
         });
         let misfit = Flag {
             name: "misfit".into(),

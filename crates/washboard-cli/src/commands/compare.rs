@@ -44,7 +44,8 @@ pub fn run(a: Arguments, output: Output) -> Result<ExitCode, Failure> {
         let files = [("result.json", envelope.to_json().into_bytes()), ("report.html", page.into_bytes())];
         write_directory(dir, &files, a.overwrite)?;
     }
-    let place = a.output.map(|dir| format!("wrote {}\n", dir.join("report.html").display())).unwrap_or_default();
+    let place =
+        a.output.map(|dir| format!("wrote {}\n", dir.join("report.html").display())).unwrap_or_default();
     output.print(&envelope, |o| table(o) + &place)?;
     Ok(if envelope.outcome.comparable { ExitCode::SUCCESS } else { ExitCode::from(1) })
 }
@@ -89,7 +90,7 @@ fn table(o: &CompareOutcome) -> String {
     if o.comparable && o.judged > 0 {
         let _ = writeln!(
             text,
-            "{} of {} numbers changed significantly; {:.1} would by chance if nothing had changed",
+            "{} of {} numbers changed significantly; up to about {:.1} would by chance if nothing had changed",
             o.significant,
             o.judged,
             0.05 * o.judged as f64

@@ -57,7 +57,7 @@ fn headline(o: &CompareOutcome) -> Html {
         (true, n, k) => ("warned", format!("{k} of {n} numbers changed significantly")),
     };
     let chance = format!(
-        "At 95 %, about {} of {} would be called significant by chance if nothing had changed.",
+        "At 95 %, up to about {} of {} would be called significant by chance if nothing had changed.",
         fixed(0.05 * o.judged as f64, 1),
         o.judged
     );
@@ -173,11 +173,19 @@ fn shapes(o: &CompareOutcome, _: &mut Plots) -> Option<Html> {
         let before = side("before", &m.points_before, m.freq_hz.before)?;
         let after = side("after", &m.points_after, m.freq_hz.after)?;
         let likeness = m.mac.map_or_else(String::new, |mac| format!(" · MAC {}", fixed(mac, 3)));
-        let inside = element("h3", &[], format!("{}{likeness}", name(m)))
+        let inside = element("h3", &[], format!("{} · {}{likeness}", m.before, name(m)))
             .and(classed("div", "moving pair", before.and(after)))
-            .and(classed("div", "moving pair phases-pair", scene::argand(&m.points_before).and(scene::argand(&m.points_after))));
+            .and(classed(
+                "div",
+                "moving pair phases-pair",
+                scene::argand(&m.points_before).and(scene::argand(&m.points_after)),
+            ));
         let tab = format!("{} {}", m.before, name(m));
-        Some(element("div", &[("class", "panel"), ("id", &format!("shape-{}", m.before)), ("data-tab", &tab)], inside))
+        Some(element(
+            "div",
+            &[("class", "panel"), ("id", &format!("shape-{}", m.before)), ("data-tab", &tab)],
+            inside,
+        ))
     };
     let panels: Html = o.modes.iter().filter_map(panel).collect();
     (panels != Html::default()).then(|| {
@@ -190,7 +198,8 @@ fn shapes(o: &CompareOutcome, _: &mut Plots) -> Option<Html> {
 
 fn spectra(o: &CompareOutcome, plots: &mut Plots) -> Option<Html> {
     let s = &o.spectra;
-    let mut x: Vec<f64> = s.freq_before_hz.iter().chain(&s.freq_after_hz).copied().filter(|f| *f > 0.0).collect();
+    let mut x: Vec<f64> =
+        s.freq_before_hz.iter().chain(&s.freq_after_hz).copied().filter(|f| *f > 0.0).collect();
     x.sort_by(f64::total_cmp);
     x.dedup();
     let (first, last) = (*x.first()?, *x.last()?);
@@ -205,9 +214,10 @@ fn spectra(o: &CompareOutcome, plots: &mut Plots) -> Option<Html> {
     };
     let mut draw = |c: &ComparedChannel| {
         let y_axis = Axis::new("", &density_unit(&c.unit), true);
-        let mut plot = Plot::new(c.channel.as_str(), &x, Axis::new("frequency", "Hz", true).within(first, last), y_axis)
-            .curve("before", Role::Before, at(&s.freq_before_hz, &c.before))
-            .curve("after", Role::After, at(&s.freq_after_hz, &c.after));
+        let mut plot =
+            Plot::new(c.channel.as_str(), &x, Axis::new("frequency", "Hz", true).within(first, last), y_axis)
+                .curve("before", Role::Before, at(&s.freq_before_hz, &c.before))
+                .curve("after", Role::After, at(&s.freq_after_hz, &c.after));
         plot.group = "frequency".to_owned();
         if plot.series.is_empty() { Html::default() } else { plots.add(plot) }
     };
@@ -221,11 +231,15 @@ fn spectra(o: &CompareOutcome, plots: &mut Plots) -> Option<Html> {
 }
 
 fn foot() -> Html {
-    element("footer", &[("id", "reading")], note(
-        "Made by washboard from result.json alone. Modes are found again by the likeness of their shapes at the points that \
+    element(
+        "footer",
+        &[("id", "reading")],
+        note(
+            "Made by washboard from result.json alone. Modes are found again by the likeness of their shapes at the points that \
          both have (MAC, the modal assurance criterion), else by the nearest pole. Plots by uPlot, © Leon Sorokin, MIT \
          licence.",
-    ))
+        ),
+    )
 }
 
 #[cfg(test)]
@@ -273,7 +287,9 @@ mod tests {
             (m.freq_sd_hz, m.damping_sd) = (None, None);
         }
         let page = compare_page(&compare_outcomes(&full(), &without), "t");
-        assert!(page.contains("not judged: no standard deviation after") && page.contains("none could be judged"));
+        assert!(
+            page.contains("not judged: no standard deviation after") && page.contains("none could be judged")
+        );
         assert!(page.contains("only before: coherence.mu") && !page.contains("id=\"shapes\""));
         let mut failed = full();
         failed.converged = false;

@@ -139,7 +139,10 @@ pub(super) fn full() -> IdentifyOutcome {
                 fitted_phase_rad: wave(1.1),
             }],
         },
-        singular_values: Some(SingularValues { freq_hz: freq_hz.clone(), values: vec![wave(3.0), wave(0.2)] }),
+        singular_values: Some(SingularValues {
+            freq_hz: freq_hz.clone(),
+            values: vec![wave(3.0), wave(0.2)],
+        }),
         mac: vec![vec![1.0, 0.254], vec![0.254, 1.0]],
         starts: vec![start(true), start(false)],
         orders: vec![order(6, false), order(7, true)],

@@ -11,13 +11,15 @@ const SHADES: f64 = 10.0;
 /// All modes against all modes.
 pub(super) fn mac(outcome: &IdentifyOutcome, _: &mut Plots) -> Option<Html> {
     let (mac, modes) = (&outcome.mac, &outcome.modes);
-    let square = !mac.is_empty() && mac.len() == modes.len() && mac.iter().all(|row| row.len() == modes.len());
+    let square =
+        !mac.is_empty() && mac.len() == modes.len() && mac.iter().all(|row| row.len() == modes.len());
     if !square {
         return None;
     }
     let number = |k: usize| (k + 1).to_string();
-    let head: Html =
-        (0..modes.len()).map(|k| element("th", &[("scope", "col"), ("title", modes[k].label.as_str())], number(k))).collect();
+    let head: Html = (0..modes.len())
+        .map(|k| element("th", &[("scope", "col"), ("title", modes[k].label.as_str())], number(k)))
+        .collect();
     let head = element("tr", &[], element("th", &[("scope", "col")], "mode").and(head));
     let rows: Html = mac
         .iter()

@@ -72,9 +72,7 @@ pub fn identify_page(outcome: &IdentifyOutcome, title: &str) -> String {
     let mut plots = Plots::default();
     let sections = SECTIONS
         .iter()
-        .filter_map(|(id, heading, draw)| {
-            draw(outcome, &mut plots).map(|body| Section { id, heading, body })
-        })
+        .filter_map(|(id, heading, draw)| draw(outcome, &mut plots).map(|body| Section { id, heading, body }))
         .collect();
     let page = Page {
         title,

@@ -175,7 +175,11 @@ fn short_name(name: &str) -> String {
 
 /// The phase as the hand of a clock: to the right at 0, upwards at a quarter turn.
 pub(super) fn dial(angle: f64) -> Html {
-    element("svg", &[("viewBox", "0 0 18 18"), ("class", "dial"), ("aria-hidden", "true")], clock(9.0, 9.0, angle))
+    element(
+        "svg",
+        &[("viewBox", "0 0 18 18"), ("class", "dial"), ("aria-hidden", "true")],
+        clock(9.0, 9.0, angle),
+    )
 }
 
 /// The modes as vertical lines of a plot, each with its number.
@@ -208,7 +212,10 @@ mod tests {
         let labels: Vec<String> = marks(&modes).into_iter().map(|m| m.label).collect();
         assert_eq!(labels, ["1", "2", "3"]);
         let outcome = IdentifyOutcome { modes, ..IdentifyOutcome::default() };
-        assert_eq!(key(&outcome), " Dashed verticals are the modes: 1 x (1.06 Hz), 2 x (8.13 Hz), 3 x (8.14 Hz).");
+        assert_eq!(
+            key(&outcome),
+            " Dashed verticals are the modes: 1 x (1.06 Hz), 2 x (8.13 Hz), 3 x (8.14 Hz)."
+        );
         assert!(marks(&[]).is_empty() && key(&IdentifyOutcome::default()).is_empty());
     }
 

@@ -51,9 +51,10 @@ impl Page<'_> {
         let nav = element("nav", &[("aria-label", "Sections")], links);
         let data = json_script("data", &self.plots.0);
         let nonce = nonce(self.title, data.as_str());
-        let sections = self.sections.into_iter().map(|s| {
-            element("section", &[("id", s.id)], element("h2", &[], s.heading).and(s.body))
-        });
+        let sections = self
+            .sections
+            .into_iter()
+            .map(|s| element("section", &[("id", s.id)], element("h2", &[], s.heading).and(s.body)));
         let header = element("header", &[], element("h1", &[], self.title).and(self.subtitle));
         let no_script = "The tables below are complete; the plots and the motion need JavaScript, which is switched off \
                          here.";
@@ -66,7 +67,8 @@ impl Page<'_> {
             .and(data)
             .and(code("script", &nonce, UPLOT_SCRIPT))
             .and(SCRIPTS.map(|s| code("script", &nonce, s)));
-        let page = element("html", &[("lang", "en")], head(self.title, &nonce).and(element("body", &[], body)));
+        let page =
+            element("html", &[("lang", "en")], head(self.title, &nonce).and(element("body", &[], body)));
         format!("<!doctype html>\n{}\n", page.as_str())
     }
 }

@@ -202,7 +202,8 @@ impl Plot {
 
     /// The same with error bars, signs or the second ordinate.
     pub fn push(&mut self, mut series: Series) {
-        let log = if series.second { self.second_axis.as_ref().is_some_and(|a| a.log) } else { self.y_axis.log };
+        let log =
+            if series.second { self.second_axis.as_ref().is_some_and(|a| a.log) } else { self.y_axis.log };
         let shown = |v: &f64| v.is_finite() && (!log || *v > 0.0);
         for y in &mut series.y {
             *y = y.filter(shown).map(short);

@@ -59,8 +59,10 @@ fn band_row(road: &IdentifiedRoad) -> Vec<Html> {
     let [a, b] = road.band_rad_per_m;
     let half = |nu: f64| 100.0 * ((FACTOR_95 * relative_sd(road, nu)).exp() - 1.0);
     // where the derivative of the variance by ln Ω is zero, if that is in the band
-    let balance = road.correlation.unwrap_or(0.0) * road.roughness_sd_m3 / road.roughness_m3 / road.exponent_sd;
-    let best = if balance.is_finite() { balance.exp().clamp(a.min(b), b) } else { 1.0_f64.clamp(a.min(b), b) };
+    let balance =
+        road.correlation.unwrap_or(0.0) * road.roughness_sd_m3 / road.roughness_m3 / road.exponent_sd;
+    let best =
+        if balance.is_finite() { balance.exp().clamp(a.min(b), b) } else { 1.0_f64.clamp(a.min(b), b) };
     let narrowest = half(best);
     let width = |v: f64| format!("±{} %", significant(v, 2));
     vec![

@@ -1,11 +1,11 @@
 //! Several recordings: the poles of each over speed, beside what all of them share.
 
+use super::Plots;
 use super::fit::chi_text;
 use super::html::{Html, classed, element, note, paragraph, table};
 use super::numbers::{FACTOR_95, fixed, plain, with_sd, with_sd_in};
 use super::plot::{Axis, Line, Plot, Role, Series};
 use super::road::one_sided;
-use super::Plots;
 use crate::study::{IdentifiedMode, IdentifyOutcome, RunSummary};
 
 /// Speeds that differ by less than this share are one speed.
@@ -65,7 +65,9 @@ fn along(runs: &[RunSummary]) -> Along {
     if high > low * (1.0 + SAME_SPEED) {
         return Along { name: "speed", unit: "m/s", log: false, values: speeds };
     }
-    let roads = runs.iter().map(|r| r.road.as_ref().map(|r| 1e6 * one_sided(r).0).filter(|s| s.is_finite() && *s > 0.0));
+    let roads = runs
+        .iter()
+        .map(|r| r.road.as_ref().map(|r| 1e6 * one_sided(r).0).filter(|s| s.is_finite() && *s > 0.0));
     let roads: Vec<Option<f64>> = roads.collect();
     let (low, high) = ends(&roads);
     if high > low {
@@ -86,10 +88,17 @@ fn words(outcome: &IdentifyOutcome, along: &Along, drawn: usize) -> String {
     let all = if converged == n { "all converged".to_owned() } else { format!("{converged} converged") };
     let over = match along.name {
         "speed" => String::new(),
-        "roughness" => " They were driven at one speed: poles are drawn over the roughness of their roads.".to_owned(),
-        _ => " Neither speeds nor roads tell them apart: poles are drawn in the order of the recordings.".to_owned(),
+        "roughness" => {
+            " They were driven at one speed: poles are drawn over the roughness of their roads.".to_owned()
+        }
+        _ => " Neither speeds nor roads tell them apart: poles are drawn in the order of the recordings."
+            .to_owned(),
     };
-    let missing = if drawn < n { format!(" {} without a {} are not drawn.", n - drawn, along.name) } else { String::new() };
+    let missing = if drawn < n {
+        format!(" {} without a {} are not drawn.", n - drawn, along.name)
+    } else {
+        String::new()
+    };
     format!("{recordings} by themselves, of which {all}.{over}{missing}")
 }
 
@@ -155,8 +164,16 @@ fn pole_map(outcome: &IdentifyOutcome, along: &Along, labels: &[&str], y_axis: A
             v.iter().for_each(|(v, _)| reach(*v, e.unwrap_or(0.0)));
         }
         let y = found.iter().map(|v| v.map(|(v, _)| v)).collect();
-        plot.push(Series { label: (*label).to_owned(), role: Role::Estimates, y, error, sign, ..Series::default() });
-        if let Some(shared) = outcome.modes.iter().find(|m| m.label == *label).map(|m| of(m).0).filter(|v| v.is_finite())
+        plot.push(Series {
+            label: (*label).to_owned(),
+            role: Role::Estimates,
+            y,
+            error,
+            sign,
+            ..Series::default()
+        });
+        if let Some(shared) =
+            outcome.modes.iter().find(|m| m.label == *label).map(|m| of(m).0).filter(|v| v.is_finite())
         {
             reach(shared, 0.0);
             let mut line = Line::new([left, right], [shared; 2], "");

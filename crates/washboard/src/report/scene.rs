@@ -176,10 +176,10 @@ fn hull<'a>(points: &[&'a ShapePoint]) -> Vec<&'a ShapePoint> {
         let mut chain: Vec<&'a ShapePoint> = Vec::new();
         for p in points {
             while let [.., o, a] = chain[..] {
-                let (u, v) = ([a.at_m[0] - o.at_m[0], a.at_m[1] - o.at_m[1]], [
-                    p.at_m[0] - o.at_m[0],
-                    p.at_m[1] - o.at_m[1],
-                ]);
+                let (u, v) = (
+                    [a.at_m[0] - o.at_m[0], a.at_m[1] - o.at_m[1]],
+                    [p.at_m[0] - o.at_m[0], p.at_m[1] - o.at_m[1]],
+                );
                 if u[0] * v[1] - u[1] * v[0] > 1e-9 {
                     break;
                 }
@@ -201,10 +201,14 @@ fn axles(points: &[&ShapePoint], size: f64) -> Vec<Element> {
     let mut lines = Vec::new();
     for (k, a) in wheels.iter().enumerate() {
         let mates = wheels[k + 1..].iter().filter(|b| (a.at_m[0] - b.at_m[0]).abs() < SAME_PLACE * size);
-        if let Some(b) = mates.min_by(|p, q| {
-            (p.at_m[1] - a.at_m[1]).abs().total_cmp(&(q.at_m[1] - a.at_m[1]).abs())
-        }) {
-            lines.push(Element { kind: Kind::Polyline, class: "axle", vertices: vec![of(a, size), of(b, size)] });
+        if let Some(b) =
+            mates.min_by(|p, q| (p.at_m[1] - a.at_m[1]).abs().total_cmp(&(q.at_m[1] - a.at_m[1]).abs()))
+        {
+            lines.push(Element {
+                kind: Kind::Polyline,
+                class: "axle",
+                vertices: vec![of(a, size), of(b, size)],
+            });
         }
     }
     lines
@@ -334,7 +338,12 @@ pub(super) fn argand(points: &[ShapePoint]) -> Html {
     };
     let tip = |p: &ShapePoint| [MIDDLE + RADIUS * p.re, MIDDLE - RADIUS * p.im];
     let mut body = circle(RADIUS, "rim").and(circle(RADIUS / 2.0, "rim"));
-    for end in [[MIDDLE - RADIUS, MIDDLE], [MIDDLE + RADIUS, MIDDLE], [MIDDLE, MIDDLE - RADIUS], [MIDDLE, MIDDLE + RADIUS]] {
+    for end in [
+        [MIDDLE - RADIUS, MIDDLE],
+        [MIDDLE + RADIUS, MIDDLE],
+        [MIDDLE, MIDDLE - RADIUS],
+        [MIDDLE, MIDDLE + RADIUS],
+    ] {
         body.push(line(end, "rim"));
     }
     for ([x, y], word) in [
@@ -351,7 +360,11 @@ pub(super) fn argand(points: &[ShapePoint]) -> Html {
         let end = tip(p);
         let class = if is_wheel(p) { "arrow of-wheel" } else { "arrow" };
         body.push(line(end, class));
-        body.push(element("circle", &[("cx", &n(end[0])), ("cy", &n(end[1])), ("r", "3.2"), ("class", class)], ""));
+        body.push(element(
+            "circle",
+            &[("cx", &n(end[0])), ("cy", &n(end[1])), ("r", "3.2"), ("class", class)],
+            "",
+        ));
         match crowds.iter_mut().find(|(c, _)| (c[0] - end[0]).hypot(c[1] - end[1]) < TOGETHER) {
             Some((_, crowd)) => crowd.push(k + 1),
             None => crowds.push((end, vec![k + 1])),
@@ -365,7 +378,12 @@ pub(super) fn argand(points: &[ShapePoint]) -> Html {
         let away = 9.0 + 3.0 * (crowd.len() as f64 - 1.0) * dx.abs();
         body.push(text([end[0] + away * dx, end[1] - 5.0 + away * dy], "number", &ranges(&crowd)));
     }
-    let around = [("viewBox", "0 0 220 220"), ("class", "argand"), ("role", "img"), ("aria-label", "Phases of the points")];
+    let around = [
+        ("viewBox", "0 0 220 220"),
+        ("class", "argand"),
+        ("role", "img"),
+        ("aria-label", "Phases of the points"),
+    ];
     classed("figure", "phases", element("svg", &around, body))
 }
 
@@ -459,7 +477,15 @@ mod tests {
         let html = svg(&[point("hub", [0.0; 2], 1.0, 0.0)], "a\"b").unwrap();
         let circle = html.as_str().split("<circle ").find(|c| c.contains("\"wheel\"")).unwrap();
         let number = |name: &str| -> f64 {
-            circle.split_once(&format!("{name}=\"")).unwrap().1.split(['"', ' ']).next().unwrap().parse().unwrap()
+            circle
+                .split_once(&format!("{name}=\""))
+                .unwrap()
+                .1
+                .split(['"', ' '])
+                .next()
+                .unwrap()
+                .parse()
+                .unwrap()
         };
         let data: Vec<f64> = circle
             .split_once("data-v=\"")

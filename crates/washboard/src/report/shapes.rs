@@ -24,10 +24,18 @@ pub(super) fn shapes(outcome: &IdentifyOutcome, _: &mut Plots) -> Option<Html> {
         .filter_map(|(k, mode)| {
             let title = title(k, mode);
             let drawing = scene::svg(&mode.points, &format!("Shape of mode {title}"))?;
-            let both = classed("div", "moving", classed("figure", "vehicle", drawing).and(scene::argand(&mode.points)));
+            let both = classed(
+                "div",
+                "moving",
+                classed("figure", "vehicle", drawing).and(scene::argand(&mode.points)),
+            );
             let inside = element("h3", &[], title.as_str()).and(both).and(numbers(&mode.points));
             let tab = format!("{} {}", k + 1, mode.label);
-            Some(element("div", &[("class", "panel"), ("id", &format!("shape-{}", k + 1)), ("data-tab", &tab)], inside))
+            Some(element(
+                "div",
+                &[("class", "panel"), ("id", &format!("shape-{}", k + 1)), ("data-tab", &tab)],
+                inside,
+            ))
         })
         .collect();
     (panels != Html::default()).then(|| {
@@ -75,11 +83,15 @@ mod tests {
 
     #[test]
     fn sizes_and_phases_are_those_of_the_points() {
-        let point = |re, im| ShapePoint { name: "a<b".into(), place: "hub".into(), at_m: [1.5, -0.7], re, im };
+        let point =
+            |re, im| ShapePoint { name: "a<b".into(), place: "hub".into(), at_m: [1.5, -0.7], re, im };
         let html = numbers(&[point(0.3, 0.4), point(-1.0, 0.0), point(0.001, 0.0)]);
         let text = html.as_str();
         assert!(text.contains(">0.500</td><td class=\"number\">53.1<"), "{text}");
-        assert!(text.contains(">1.000</td><td class=\"number\">180.0<") && text.contains(">−0.70<"), "{text}");
+        assert!(
+            text.contains(">1.000</td><td class=\"number\">180.0<") && text.contains(">−0.70<"),
+            "{text}"
+        );
         assert!(text.contains(">0.001</td><td class=\"number\">–<") && text.contains("a&lt;b"), "{text}");
     }
 
@@ -87,7 +99,10 @@ mod tests {
     fn modes_without_points_have_no_panel_and_keep_their_numbers() {
         let point = ShapePoint { name: "p".into(), place: "body".into(), at_m: [0.0; 2], re: 1.0, im: 0.0 };
         let mut modes = vec![IdentifiedMode::default(); 2];
-        let outcome = |modes: &[IdentifiedMode]| IdentifyOutcome { modes: modes.to_vec(), ..IdentifyOutcome::default() };
+        let outcome = |modes: &[IdentifiedMode]| IdentifyOutcome {
+            modes: modes.to_vec(),
+            ..IdentifyOutcome::default()
+        };
         assert!(shapes(&outcome(&modes), &mut Plots::default()).is_none());
         modes[1].points.push(point);
         let html = shapes(&outcome(&modes), &mut Plots::default()).unwrap();

@@ -16,13 +16,17 @@ pub(super) fn auto(outcome: &IdentifyOutcome, plots: &mut Plots) -> Option<Html>
         let mut plot = Plot::new(channel.channel.as_str(), &x, x_axis.clone(), Axis::new("", &unit, true));
         if let Some([low, high]) = outcome.spectra.confidence {
             let times = |factor: f64| measured.iter().map(|v| v.map(|v| v * factor)).collect::<Vec<_>>();
-            plot = plot
-                .curve("95 %, high", Role::MeasuredHigh, times(high))
-                .curve("95 %, low", Role::MeasuredLow, times(low));
+            plot = plot.curve("95 %, high", Role::MeasuredHigh, times(high)).curve(
+                "95 %, low",
+                Role::MeasuredLow,
+                times(low),
+            );
         }
-        let mut plot = plot
-            .curve("fitted", Role::Fitted, pick(&channel.fitted, &keep))
-            .curve("measured", Role::Measured, measured);
+        let mut plot = plot.curve("fitted", Role::Fitted, pick(&channel.fitted, &keep)).curve(
+            "measured",
+            Role::Measured,
+            measured,
+        );
         plot.marks.clone_from(&marks);
         plot.group = "frequency".to_owned();
         if !plot.series.is_empty() {

@@ -42,7 +42,13 @@ pub(super) fn diagram(outcome: &IdentifyOutcome, plots: &mut Plots) -> Option<Ht
                 At::Pole(_) => None,
             });
             let label = format!("singular value {}", k + 1);
-            plot.push(Series { label, role: Role::Singular, y: y.collect(), second: true, ..Series::default() });
+            plot.push(Series {
+                label,
+                role: Role::Singular,
+                y: y.collect(),
+                second: true,
+                ..Series::default()
+            });
         }
     }
     let kinds = kinds(&poles);
@@ -136,15 +142,16 @@ mod tests {
         diagram(&outcome, &mut plots).unwrap();
         let plot = &plots.0[0];
         let labels: Vec<&str> = plot.series.iter().map(|s| s.label.as_str()).collect();
-        assert_eq!(labels, ["singular value 1", "singular value 2", "stable (1)", "new damping (2)", "grows (1)"]);
+        assert_eq!(
+            labels,
+            ["singular value 1", "singular value 2", "stable (1)", "new damping (2)", "grows (1)"]
+        );
         assert!(plot.x.windows(2).all(|w| w[0] <= w[1]) && plot.x.len() == 7);
         let drawn = |k: usize| plot.series[k].y.iter().flatten().copied().collect::<Vec<_>>();
-        assert_eq!([drawn(0), drawn(1), drawn(2), drawn(3)], [
-            vec![1.0, 2.0, 0.5],
-            vec![0.1, 0.2],
-            vec![6.0],
-            vec![4.0, 6.0]
-        ]);
+        assert_eq!(
+            [drawn(0), drawn(1), drawn(2), drawn(3)],
+            [vec![1.0, 2.0, 0.5], vec![0.1, 0.2], vec![6.0], vec![4.0, 6.0]]
+        );
         assert_eq!(plot.hover.iter().filter(|h| !h.is_empty()).count(), 4);
         assert!(plot.hover.contains(&"order 4: 2.000 Hz, ζ 30.0 %; new damping".to_owned()));
         assert_eq!(plot.series[2].sign, 0);

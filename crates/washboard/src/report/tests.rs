@@ -168,8 +168,8 @@ fn what_others_fill_in_reaches_the_page_with_its_numbers() {
     let page = identify_page(&full(), "t");
     for text in [
         "<td class=\"number\">0.877</td><td class=\"number\">−12.3</td>", // MPC and mean phase
-        "class=\"number shade-3\">0.25</td>",                            // MAC
-        ">0.500</td><td class=\"number\">53.1</td>",                     // size and phase of 0.3 + 0.4 i
+        "class=\"number shade-3\">0.25</td>",                             // MAC
+        ">0.500</td><td class=\"number\">53.1</td>",                      // size and phase of 0.3 + 0.4 i
         "7 modes were chosen; they explain the data (χ = 0.41).",
         "<td class=\"number\">50.0</td>", // BIC above the least
         "1 of 2 starts came to the best end.",
@@ -193,7 +193,8 @@ fn what_others_fill_in_reaches_the_page_with_its_numbers() {
 #[test]
 fn what_is_empty_leaves_no_trace() {
     let page = identify_page(&sparse(), "t");
-    for text in ["MPC", "href=\"#shape-", "class=\"player\"", "class=\"mac\"", "95 % interval of a measured"] {
+    for text in ["MPC", "href=\"#shape-", "class=\"player\"", "class=\"mac\"", "95 % interval of a measured"]
+    {
         assert!(!page.contains(text), "{text}");
     }
 }

@@ -52,7 +52,8 @@ fn orders(orders: &[OrderTried]) -> Html {
             verdict.into(),
         ]
     });
-    let heads = ["# modes", "# parameters", "# χ", "# BIC above the least", "# Whittle cost", "converged", "verdict"];
+    let heads =
+        ["# modes", "# parameters", "# χ", "# BIC above the least", "# Whittle cost", "converged", "verdict"];
     element("h3", &[], "Numbers of modes")
         .and(words.map_or_else(Html::default, paragraph))
         .and(table("", &heads, rows.collect()))
@@ -110,7 +111,9 @@ mod tests {
     fn starts_are_told_in_words() {
         let start = |cost, converged| StartTried { name: "a".into(), cost, chi: 0.4, converged, steps: 9 };
         let text = |s: &[StartTried]| starts(s).as_str().to_owned();
-        assert!(text(&[start(-5.0, true), start(-5.01, true)]).contains("All 2 starts came to the same end."));
+        assert!(
+            text(&[start(-5.0, true), start(-5.01, true)]).contains("All 2 starts came to the same end.")
+        );
         let some = text(&[start(-5.0, true), start(7.0, true), start(-9.0, false)]);
         assert!(some.contains("1 of 3 starts came to the best end.") && some.contains(">12.00<"), "{some}");
         assert!(text(&[start(1.0, false)]).contains("No start converged."));

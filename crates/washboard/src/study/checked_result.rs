@@ -34,13 +34,17 @@ pub(super) fn read_identification(path: &Path) -> Result<(PathBuf, Envelope<Iden
     if let Err(Fault(field, expected, found)) = check(&outcome) {
         return Err(wrong(format!("{field}: expected {expected}, found {found}")));
     }
-    Ok((file, Envelope { schema_version: raw.schema_version, command: raw.command, inputs: raw.inputs, outcome }))
+    Ok((
+        file,
+        Envelope { schema_version: raw.schema_version, command: raw.command, inputs: raw.inputs, outcome },
+    ))
 }
 
 /// The field that cannot be read: the one whose replacement makes the rest readable.
 fn culprit(root: &Value) -> Option<String> {
     let readable = |v: &Value| serde_json::from_value::<IdentifyOutcome>(v.clone()).is_ok();
     let stand_ins = [Value::Null, json!(1.0), json!(1), json!(""), json!([]), json!(false)];
+    let empty = serde_json::to_value(IdentifyOutcome::default()).ok()?;
     let mut found = (String::new(), String::new());
     loop {
         let children: Vec<(String, String)> = match root.pointer(&found.0)? {
@@ -58,8 +62,7 @@ fn culprit(root: &Value) -> Option<String> {
             _ => Vec::new(),
         };
         let at_fault = |(pointer, _): &(String, String)| {
-            // an object's stand-in must have its keys: where none fits, its parts are looked at one by one
-            stand_ins.iter().any(|s| {
+            stand_ins.iter().chain(empty.pointer(pointer)).any(|s| {
                 let mut mended = root.clone();
                 mended.pointer_mut(pointer).map(|v| *v = s.clone()).is_some() && readable(&mended)
             }) || without_element(root, pointer).is_some_and(|v| readable(&v))
@@ -118,7 +121,11 @@ fn check(o: &IdentifyOutcome) -> Result<(), Fault> {
         // at a limit between classes the last bit decides
         let classes = [1.0 - SAME, 1.0 + SAME].map(|f| IsoClass::of(one_sided * f));
         if !classes.contains(&r.class) {
-            return fault("road.class".into(), &format!("{:?} for this roughness", classes[0]), format!("{:?}", r.class));
+            return fault(
+                "road.class".into(),
+                &format!("{:?} for this roughness", classes[0]),
+                format!("{:?}", r.class),
+            );
         }
     }
     if let Some(c) = &o.coherence {
@@ -131,7 +138,11 @@ fn check(o: &IdentifyOutcome) -> Result<(), Fault> {
     }
     for (k, c) in o.spectra.channels.iter().enumerate() {
         if c.measured.len() != bins {
-            return fault(format!("spectra.channels[{k}].measured"), &format!("{bins} values"), c.measured.len().to_string());
+            return fault(
+                format!("spectra.channels[{k}].measured"),
+                &format!("{bins} values"),
+                c.measured.len().to_string(),
+            );
         }
         if let Some(v) = c.measured.iter().find(|v| **v < 0.0) {
             return fault(format!("spectra.channels[{k}].measured"), "densities ≥ 0", v.to_string());

@@ -3,8 +3,8 @@
 use super::checked_result::read_identification;
 use super::compare_modes::{aligned, matched};
 use super::compare_outcome::{
-    Change, CompareOutcome, ComparedChannel, ComparedResult, ComparedSpectra, ModeChange, NamedChange, Unmatched,
-    UnmatchedMode,
+    Change, CompareOutcome, ComparedChannel, ComparedResult, ComparedSpectra, ModeChange, NamedChange,
+    Unmatched, UnmatchedMode,
 };
 use super::identify_outcome::{Flag, IdentifiedMode, IdentifyOutcome};
 use super::{CompareSpec, Envelope, Input, StudyError};
@@ -75,13 +75,15 @@ pub fn compare_outcomes(before: &IdentifyOutcome, after: &IdentifyOutcome) -> Co
             .flat_map(|m| [&m.freq_hz, &m.damping])
             .chain(parameters.iter().chain(&quantities).map(|n| &n.change))
     };
-    let (total, judged) = (all().count(), all().filter(|c| c.difference_sd.is_some() && c.not_judged.is_none()).count());
+    let (total, judged) =
+        (all().count(), all().filter(|c| c.difference_sd.is_some() && c.not_judged.is_none()).count());
     let significant = all().filter(|c| c.significant).count();
     let mut flags = flags(before, after, &spectra);
     if total == 0 {
         flags.push(flag("nothing-matched", "The two results have no mode, parameter or road in common."));
     } else if judged == 0 && before.converged && after.converged {
-        let text = "No standard deviations on one side or both: differences are shown, and none can be judged.";
+        let text =
+            "No standard deviations on one side or both: differences are shown, and none can be judged.";
         flags.push(flag("no-deviations", text));
     }
     CompareOutcome {
@@ -148,8 +150,12 @@ impl Judge {
     /// Values of the same names, in the order of the earlier ones; the others are noted as unmatched.
     fn by_name(&self, before: Vec<Named>, after: Vec<Named>, unmatched: &mut Unmatched) -> Vec<NamedChange> {
         let missing = |of: &[Named], name: &str| !of.iter().any(|(n, _)| n == name);
-        unmatched.names_before.extend(before.iter().filter(|(n, _)| missing(&after, n)).map(|(n, _)| n.clone()));
-        unmatched.names_after.extend(after.iter().filter(|(n, _)| missing(&before, n)).map(|(n, _)| n.clone()));
+        unmatched
+            .names_before
+            .extend(before.iter().filter(|(n, _)| missing(&after, n)).map(|(n, _)| n.clone()));
+        unmatched
+            .names_after
+            .extend(after.iter().filter(|(n, _)| missing(&before, n)).map(|(n, _)| n.clone()));
         let pair = |(name, value): Named| {
             let (_, other) = after.iter().find(|(n, _)| *n == name)?;
             Some(NamedChange { change: self.change(value, *other), name })
@@ -210,7 +216,9 @@ fn flags(before: &IdentifyOutcome, after: &IdentifyOutcome, spectra: &ComparedSp
     let mut flags = Vec::new();
     for (o, which) in [(before, "earlier"), (after, "later")] {
         if !o.converged {
-            let text = format!("The {which} result has not converged: its numbers are no result, and no difference is judged.");
+            let text = format!(
+                "The {which} result has not converged: its numbers are no result, and no difference is judged."
+            );
             flags.push(flag("not-converged", text));
         }
     }
@@ -224,7 +232,8 @@ fn flags(before: &IdentifyOutcome, after: &IdentifyOutcome, spectra: &ComparedSp
     }
     if let (Some(a), Some(b)) = (before.recording.speed_m_s, after.recording.speed_m_s) {
         if (a - b).abs() > SAME_SPEED * a.abs().max(b.abs()) {
-            let text = format!("The speeds differ ({a:.2} and {b:.2} m/s): so does the delay, on the same vehicle.");
+            let text =
+                format!("The speeds differ ({a:.2} and {b:.2} m/s): so does the delay, on the same vehicle.");
             flags.push(flag("speeds-differ", text));
         }
     }
@@ -275,7 +284,10 @@ mod tests {
             assert_eq!((c.significant, c.difference_sd, c.not_judged.as_deref()), (false, None, Some(words)));
         }
         let failed = Judge { converged: [true, false] }.change((1.0, Some(1e-9)), (2.0, Some(1e-9)));
-        assert_eq!((failed.significant, failed.not_judged.as_deref()), (false, Some("the later result has not converged")));
+        assert_eq!(
+            (failed.significant, failed.not_judged.as_deref()),
+            (false, Some("the later result has not converged"))
+        );
     }
 
     #[test]

@@ -36,4 +36,6 @@ pub use named::Named;
 pub use ride::{Infinite, RideOutcome, RideSpectra, Rms, ride};
 pub use sensors::{SensorRow, SensorsFile};
 pub use simulate::{DriveTruth, SimulateOutcome, SimulateRun, SimulatedChannel, TrueNoise, simulate};
-pub use spec::{CompareSpec, DemoSpec, IdentifyMethod, IdentifySpec, ModesSpec, RideSpec, SimulateSpec, Spec};
+pub use spec::{
+    CompareSpec, DemoSpec, IdentifyMethod, IdentifySpec, ModesSpec, RideSpec, SimulateSpec, Spec,
+};
