@@ -15,6 +15,9 @@ const WHEEL: f64 = 0.12;
 const BODY: f64 = 0.38;
 const CAB: f64 = 0.62;
 const UNIT: f64 = 0.13;
+/// Wheels one behind the other keep clear: their radius as a share of the distance; nearer ones are on one axle.
+const CLEAR: f64 = 0.46;
+const LEAST_GAP: f64 = 0.05;
 /// Half the sides of the mass that stands for a body with one point.
 const BLOCK: [f64; 2] = [0.3, 0.2];
 /// The drawing's size on the screen, and its margin.
@@ -60,8 +63,8 @@ pub(super) fn svg(points: &[ShapePoint], label: &str) -> Option<Html> {
     if points.is_empty() {
         return None;
     }
-    let size = extent(&points);
-    let elements = fitted(elements(&points, size), size);
+    let frame = Frame::of(&points);
+    let elements = fitted(elements(&points, frame), frame);
     let [w, h] = SIZE.map(|v| fixed(v, 0));
     let inside: Html = elements.iter().map(markup).collect();
     Some(element(
@@ -81,11 +84,32 @@ fn extent(points: &[&ShapePoint]) -> f64 {
     if longest > 0.0 { longest } else { 1.0 }
 }
 
-fn height(place: &str) -> f64 {
-    match place {
-        "hub" | "axle" => WHEEL,
-        "cab" => CAB,
-        _ => BODY,
+/// The drawing's measures, m.
+#[derive(Debug, Clone, Copy)]
+struct Frame {
+    /// The longest distance.
+    size: f64,
+    /// Radius of a wheel.
+    wheel: f64,
+}
+
+impl Frame {
+    fn of(points: &[&ShapePoint]) -> Self {
+        let size = extent(points);
+        let mut along: Vec<f64> = points.iter().filter(|p| is_wheel(p)).map(|p| p.at_m[0]).collect();
+        along.sort_by(f64::total_cmp);
+        let gaps = along.windows(2).map(|w| w[1] - w[0]).filter(|gap| *gap > LEAST_GAP * size);
+        let nearest = gaps.fold(f64::INFINITY, f64::min);
+        Frame { size, wheel: (WHEEL * size).min(CLEAR * nearest) }
+    }
+
+    /// At rest above the ground.
+    fn height(self, place: &str) -> f64 {
+        match place {
+            "hub" | "axle" => self.wheel,
+            "cab" => CAB * self.size,
+            _ => BODY * self.size,
+        }
     }
 }
 
@@ -98,34 +122,34 @@ fn vertex([x, y]: [f64; 2], z: f64, moves: [f64; 2]) -> Vertex {
     Vertex { at: [x + OBLIQUE[0] * y, z + OBLIQUE[1] * y], moves }
 }
 
-fn of(p: &ShapePoint, size: f64) -> Vertex {
-    vertex(p.at_m, size * height(&p.place), [p.re, p.im])
+fn of(p: &ShapePoint, frame: Frame) -> Vertex {
+    vertex(p.at_m, frame.height(&p.place), [p.re, p.im])
 }
 
 /// Everything from back to front; sizes in metres, upwards positive.
-fn elements(points: &[&ShapePoint], size: f64) -> Vec<Element> {
+fn elements(points: &[&ShapePoint], frame: Frame) -> Vec<Element> {
     let middle = points.iter().map(|p| p.at_m[1]).sum::<f64>() / points.len() as f64;
     let (far, near): (Vec<&ShapePoint>, Vec<&ShapePoint>) =
         points.iter().copied().filter(|p| is_wheel(p)).partition(|p| p.at_m[1] > middle + 1e-9);
     let mut all = Vec::new();
     for place in ["body", "cab"] {
         let here = of_place(points, place);
-        all.extend(sheet(&here, size, true));
+        all.extend(sheet(&here, frame, true));
     }
-    all.extend(axles(points, size));
-    all.extend(far.iter().flat_map(|p| wheel(p, points, size)));
+    all.extend(axles(points, frame));
+    all.extend(far.iter().flat_map(|p| wheel(p, points, frame)));
     for place in ["body", "cab"] {
         let here = of_place(points, place);
         if place == "cab" {
-            all.extend(here.iter().filter_map(|p| spring(p, points, "body", size)));
+            all.extend(here.iter().filter_map(|p| spring(p, points, "body", frame)));
         }
-        all.extend(sheet(&here, size, false));
+        all.extend(sheet(&here, frame, false));
     }
-    all.extend(near.iter().flat_map(|p| wheel(p, points, size)));
+    all.extend(near.iter().flat_map(|p| wheel(p, points, frame)));
     for (k, p) in points.iter().enumerate() {
-        let v = of(p, size);
+        let v = of(p, frame);
         all.push(Element { kind: Kind::Circle(2.6), class: "dot", vertices: vec![v] });
-        let beside = Vertex { at: [v.at[0] + 0.02 * size, v.at[1] + 0.02 * size], ..v };
+        let beside = Vertex { at: [v.at[0] + 0.02 * frame.size, v.at[1] + 0.02 * frame.size], ..v };
         all.push(Element { kind: Kind::Text((k + 1).to_string()), class: "number", vertices: vec![beside] });
     }
     all
@@ -138,16 +162,16 @@ fn of_place<'a>(points: &[&'a ShapePoint], place: &str) -> Vec<&'a ShapePoint> {
 }
 
 /// A plate through three points or more, a beam through points of a line, a mass for one; at rest it is an outline.
-fn sheet(points: &[&ShapePoint], size: f64, rest: bool) -> Option<Element> {
+fn sheet(points: &[&ShapePoint], frame: Frame, rest: bool) -> Option<Element> {
     let cab = points.first()?.place == "cab";
-    let z = size * height(if cab { "cab" } else { "body" });
+    let z = frame.height(if cab { "cab" } else { "body" });
     let class = |moving: &'static str| if rest { "rest" } else { moving };
     let at = |at: [f64; 2], p: &ShapePoint| vertex(at, z, if rest { [0.0; 2] } else { [p.re, p.im] });
     let hull = hull(points);
     let (kind, class, vertices) = match hull.len() {
         1 => {
             let p = hull[0];
-            let corner = |[x, y]: [f64; 2]| at([p.at_m[0] + size * x, p.at_m[1] + size * y], p);
+            let corner = |[x, y]: [f64; 2]| at([p.at_m[0] + frame.size * x, p.at_m[1] + frame.size * y], p);
             let [x, y] = BLOCK;
             (Kind::Polygon, class("plate"), [[-x, -y], [x, -y], [x, y], [-x, y]].map(corner).to_vec())
         }
@@ -196,18 +220,19 @@ fn hull<'a>(points: &[&'a ShapePoint]) -> Vec<&'a ShapePoint> {
 }
 
 /// Wheels of one axle are joined by a thin line, for the eye.
-fn axles(points: &[&ShapePoint], size: f64) -> Vec<Element> {
+fn axles(points: &[&ShapePoint], frame: Frame) -> Vec<Element> {
     let wheels: Vec<_> = points.iter().filter(|p| is_wheel(p)).collect();
     let mut lines = Vec::new();
     for (k, a) in wheels.iter().enumerate() {
-        let mates = wheels[k + 1..].iter().filter(|b| (a.at_m[0] - b.at_m[0]).abs() < SAME_PLACE * size);
+        let mates =
+            wheels[k + 1..].iter().filter(|b| (a.at_m[0] - b.at_m[0]).abs() < SAME_PLACE * frame.size);
         if let Some(b) =
             mates.min_by(|p, q| (p.at_m[1] - a.at_m[1]).abs().total_cmp(&(q.at_m[1] - a.at_m[1]).abs()))
         {
             lines.push(Element {
                 kind: Kind::Polyline,
                 class: "axle",
-                vertices: vec![of(a, size), of(b, size)],
+                vertices: vec![of(a, frame), of(b, frame)],
             });
         }
     }
@@ -215,29 +240,29 @@ fn axles(points: &[&ShapePoint], size: f64) -> Vec<Element> {
 }
 
 /// Where it stands, where it rests, itself, and its spring.
-fn wheel(p: &ShapePoint, points: &[&ShapePoint], size: f64) -> Vec<Element> {
+fn wheel(p: &ShapePoint, points: &[&ShapePoint], frame: Frame) -> Vec<Element> {
     let [x, y] = p.at_m;
-    let ends = [-0.8, 0.8].map(|side| vertex([x + side * WHEEL * size, y], 0.0, [0.0; 2]));
-    let radius = WHEEL * size;
+    let ends = [-0.8, 0.8].map(|side| vertex([x + side * frame.wheel, y], 0.0, [0.0; 2]));
+    let radius = frame.wheel;
     let rest = vertex(p.at_m, radius, [0.0; 2]);
     let mut all = vec![
         Element { kind: Kind::Polyline, class: "ground", vertices: ends.to_vec() },
         Element { kind: Kind::Circle(radius), class: "rest", vertices: vec![rest] },
-        Element { kind: Kind::Circle(radius), class: "wheel", vertices: vec![of(p, size)] },
+        Element { kind: Kind::Circle(radius), class: "wheel", vertices: vec![of(p, frame)] },
     ];
-    all.extend(spring(p, points, "body", size));
+    all.extend(spring(p, points, "body", frame));
     all
 }
 
 /// From a point to the one of the body at the same place; none where none is there.
-fn spring(p: &ShapePoint, points: &[&ShapePoint], to: &str, size: f64) -> Option<Element> {
+fn spring(p: &ShapePoint, points: &[&ShapePoint], to: &str, frame: Frame) -> Option<Element> {
     let far = |q: &&ShapePoint| (q.at_m[0] - p.at_m[0]).hypot(q.at_m[1] - p.at_m[1]);
     let body = of_place(points, to);
     let mate = body.into_iter().min_by(|a, b| far(a).total_cmp(&far(b)))?;
-    if far(&mate) > SAME_PLACE * size {
+    if far(&mate) > SAME_PLACE * frame.size {
         return None;
     }
-    let (a, b) = (of(p, size), of(mate, size));
+    let (a, b) = (of(p, frame), of(mate, frame));
     let corner = |k: usize| {
         let share = k as f64 / ZIGZAG as f64;
         let between = |u: [f64; 2], v: [f64; 2]| [0, 1].map(|i| (1.0 - share) * u[i] + share * v[i]);
@@ -247,18 +272,18 @@ fn spring(p: &ShapePoint, points: &[&ShapePoint], to: &str, size: f64) -> Option
             _ => -ZIGZAG_WIDTH,
         };
         let [x, y] = between(a.at, b.at);
-        Vertex { at: [x + side * size, y], moves: between(a.moves, b.moves) }
+        Vertex { at: [x + side * frame.size, y], moves: between(a.moves, b.moves) }
     };
     Some(Element { kind: Kind::Polyline, class: "spring", vertices: (0..=ZIGZAG).map(corner).collect() })
 }
 
 /// From metres, upwards, to the screen.
-fn fitted(mut elements: Vec<Element>, size: f64) -> Vec<Element> {
+fn fitted(mut elements: Vec<Element>, frame: Frame) -> Vec<Element> {
     let mut ends = [[f64::INFINITY, f64::NEG_INFINITY]; 2];
     for e in &elements {
         let radius = if let (Kind::Circle(r), "wheel" | "rest") = (&e.kind, e.class) { *r } else { 0.0 };
         for v in &e.vertices {
-            for (axis, room) in [(0, radius), (1, radius.max(UNIT * size))] {
+            for (axis, room) in [(0, radius), (1, radius.max(UNIT * frame.size))] {
                 ends[axis][0] = ends[axis][0].min(v.at[axis] - room);
                 ends[axis][1] = ends[axis][1].max(v.at[axis] + room);
             }
@@ -275,7 +300,7 @@ fn fitted(mut elements: Vec<Element>, size: f64) -> Vec<Element> {
                 let from_middle = scale * (v.at[i] - (ends[i][0] + ends[i][1]) / 2.0);
                 SIZE[i] / 2.0 + if i == 0 { from_middle } else { -from_middle }
             });
-            v.moves = v.moves.map(|m| m * UNIT * size * scale);
+            v.moves = v.moves.map(|m| m * UNIT * frame.size * scale);
         }
     }
     elements
@@ -414,7 +439,7 @@ mod tests {
 
     fn classes(points: &[ShapePoint]) -> Vec<&'static str> {
         let points = drawable(points);
-        elements(&points, extent(&points)).iter().map(|e| e.class).collect()
+        elements(&points, Frame::of(&points)).iter().map(|e| e.class).collect()
     }
 
     fn count(classes: &[&str], class: &str) -> usize {
@@ -458,7 +483,7 @@ mod tests {
     fn a_spring_moves_at_each_end_with_what_it_is_fixed_to() {
         let points = [point("hub", [0.0; 2], 0.2, 0.4), point("body", [0.0; 2], 1.0, 0.0)];
         let points: Vec<&ShapePoint> = points.iter().collect();
-        let spring = spring(points[0], &points, "body", 1.0).unwrap().vertices;
+        let spring = spring(points[0], &points, "body", Frame::of(&points)).unwrap().vertices;
         assert_eq!((spring[0].moves, spring[ZIGZAG].moves), ([0.2, 0.4], [1.0, 0.0]));
         assert!(spring[0].at[1] < spring[ZIGZAG].at[1], "the hub is below the body");
     }
@@ -467,7 +492,7 @@ mod tests {
     fn everything_stays_in_the_picture_and_up_is_up() {
         let points = [point("body", [0.0; 2], 1.0, 0.0), point("hub", [0.0; 2], 0.0, 1.0)];
         let points: Vec<&ShapePoint> = points.iter().collect();
-        for e in fitted(elements(&points, 1.0), 1.0) {
+        for e in fitted(elements(&points, Frame::of(&points)), Frame::of(&points)) {
             for v in &e.vertices {
                 let size = v.moves[0].hypot(v.moves[1]);
                 assert!(v.at[0] >= 0.0 && v.at[0] <= SIZE[0], "{e:?}");
@@ -498,6 +523,15 @@ mod tests {
             .map(|v| v.parse().unwrap())
             .collect();
         assert!((number("cy") - (data[1] - data[2])).abs() < 0.11 && data[2] > 0.0 && data[3] == 0.0);
+    }
+
+    #[test]
+    fn wheels_of_a_tandem_axle_do_not_overlap() {
+        let wheels = [0.0, 1.3, 6.0].map(|x| point("hub", [x, 0.0], 1.0, 0.0));
+        let frame = Frame::of(&wheels.iter().collect::<Vec<_>>());
+        assert!(2.0 * frame.wheel < 1.3 && frame.size == 6.0, "{frame:?}");
+        // a single wheel has its usual size
+        assert_eq!(Frame::of(&wheels[..1].iter().collect::<Vec<_>>()).wheel, WHEEL);
     }
 
     #[test]

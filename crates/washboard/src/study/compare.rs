@@ -230,12 +230,12 @@ fn flags(before: &IdentifyOutcome, after: &IdentifyOutcome, spectra: &ComparedSp
         );
         flags.push(flag("methods-differ", text));
     }
-    if let (Some(a), Some(b)) = (before.recording.speed_m_s, after.recording.speed_m_s) {
-        if (a - b).abs() > SAME_SPEED * a.abs().max(b.abs()) {
-            let text =
-                format!("The speeds differ ({a:.2} and {b:.2} m/s): so does the delay, on the same vehicle.");
-            flags.push(flag("speeds-differ", text));
-        }
+    if let (Some(a), Some(b)) = (before.recording.speed_m_s, after.recording.speed_m_s)
+        && (a - b).abs() > SAME_SPEED * a.abs().max(b.abs())
+    {
+        let text =
+            format!("The speeds differ ({a:.2} and {b:.2} m/s): so does the delay, on the same vehicle.");
+        flags.push(flag("speeds-differ", text));
     }
     let same = |c: &ComparedChannel| c.before == c.after && !c.before.is_empty();
     if spectra.freq_before_hz == spectra.freq_after_hz && spectra.channels.iter().any(same) {

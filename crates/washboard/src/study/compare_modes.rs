@@ -56,10 +56,17 @@ fn distance(a: &IdentifiedMode, b: &IdentifiedMode) -> f64 {
     (b.freq_hz / a.freq_hz).ln().hypot(b.damping - a.damping)
 }
 
-/// The components of both at the points that both have, by name.
+/// The components of both at the points that both have: of one name and place, in their order.
 fn common(a: &[ShapePoint], b: &[ShapePoint]) -> Vec<(C64, C64)> {
     let value = |p: &ShapePoint| C64::new(p.re, p.im);
-    a.iter().filter_map(|p| b.iter().find(|q| q.name == p.name).map(|q| (value(p), value(q)))).collect()
+    let mut free: Vec<&ShapePoint> = b.iter().collect();
+    let mut both = Vec::new();
+    for p in a {
+        if let Some(k) = free.iter().position(|q| q.name == p.name && q.place == p.place) {
+            both.push((value(p), value(free.remove(k))));
+        }
+    }
+    both
 }
 
 /// |aᴴb|²/(aᴴa · bᴴb); none of fewer than two points.
