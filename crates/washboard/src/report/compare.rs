@@ -96,16 +96,15 @@ fn modes(o: &CompareOutcome, _: &mut Plots) -> Option<Html> {
     if o.modes.is_empty() {
         return None;
     }
-    let heads = ["mode", "found again by", "# before", "# after", "# difference", "at 95 %"];
+    let heads = ["mode", "at 95 %", "# before", "# after", "# difference", "found again by"];
     let rows = |of: fn(&ModeChange) -> &Change, scale: f64| {
         let row = move |m: &ModeChange| {
             let by = match m.mac {
                 Some(mac) => format!("its shape (MAC {})", fixed(mac, 3)),
                 None => "the nearest pole".to_owned(),
             };
-            let mut row: Vec<Html> = vec![name(m).into(), by.into()];
-            row.extend(cells(of(m), scale));
-            row
+            let [before, after, difference, verdict] = cells(of(m), scale);
+            vec![name(m).into(), verdict, before, after, difference, by.into()]
         };
         o.modes.iter().map(row).collect::<Vec<_>>()
     };
@@ -138,9 +137,9 @@ fn named(changes: &[NamedChange], what: &str) -> Option<Html> {
             signed(100.0 * n.change.difference / n.change.before, 2)
         };
         let [before, after, difference, verdict] = cells(&n.change, 1.0);
-        vec![n.name.as_str().into(), before, after, difference, share.into(), verdict]
+        vec![n.name.as_str().into(), verdict, before, after, difference, share.into()]
     });
-    let heads = [what, "# before", "# after", "# difference", "# %", "at 95 %"];
+    let heads = [what, "at 95 %", "# before", "# after", "# difference", "# %"];
     Some(table("", &heads, rows.collect()))
 }
 
