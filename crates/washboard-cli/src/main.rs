@@ -33,6 +33,7 @@ enum Command {
     Ride(commands::ride::Arguments),
     Simulate(commands::simulate::Arguments),
     Identify(commands::identify::Arguments),
+    Compare(commands::compare::Arguments),
     Report(commands::report::Arguments),
 }
 
@@ -46,6 +47,7 @@ fn main() -> ExitCode {
         Command::Ride(a) => commands::ride::run(a, cli.output),
         Command::Simulate(a) => commands::simulate::run(a, cli.output),
         Command::Identify(a) => commands::identify::run(a, cli.output),
+        Command::Compare(a) => commands::compare::run(a, cli.output),
         Command::Report(a) => commands::report::run(a, cli.output),
     };
     run.unwrap_or_else(|failure| failure.exit(cli.output))

@@ -1,5 +1,8 @@
 //! Tables of text: columns aligned, numbers to the right, and numbers rounded to what a reader can use.
 
+/// Columns of a terminal that a sentence fills.
+const WIDTH: usize = 100;
+
 /// Significant digits of a number in a table.
 const DIGITS: usize = 4;
 
@@ -51,6 +54,26 @@ impl Table {
     }
 }
 
+/// A sentence in lines that fit a terminal, the later ones set in; with a newline at its end.
+pub fn wrapped(sentence: &str) -> String {
+    let mut text = String::new();
+    let mut used = 0;
+    for word in sentence.split(' ') {
+        let length = word.chars().count();
+        if used > 0 && used + 1 + length > WIDTH {
+            text.push_str("\n  ");
+            used = 2;
+        } else if !text.is_empty() {
+            text.push(' ');
+            used += 1;
+        }
+        text.push_str(word);
+        used += length;
+    }
+    text.push('\n');
+    text
+}
+
 /// A number in four significant digits, with an exponent where it is very large or small.
 pub fn number(x: f64) -> String {
     let size = x.abs();
@@ -68,7 +91,8 @@ pub fn number(x: f64) -> String {
 pub fn with_sd(x: f64, sd: Option<f64>) -> String {
     match sd.filter(|s| s.is_finite() && *s > 0.0) {
         None => number(x),
-        Some(sd) if !(1e-6..1e4).contains(&sd) || x.abs() >= 1e6 || x.abs() < 1e-3 => {
+        // what is small beside its deviation is written as the deviation is
+        Some(sd) if !(1e-6..1e4).contains(&sd) || x.abs() >= 1e6 || x.abs().max(sd) < 1e-4 => {
             format!("{x:.3e} ± {sd:.1e}")
         }
         Some(sd) => {
@@ -100,6 +124,16 @@ mod tests {
         }
         assert_eq!(with_sd(1.234_56, Some(0.012_3)), "1.235 ± 0.012");
         assert_eq!(with_sd(1.6e-5, Some(2e-7)), "1.600e-5 ± 2.0e-7");
+        assert_eq!(with_sd(-6.95e-6, Some(1.7e-4)), "-0.00001 ± 0.00017");
+    }
+
+    #[test]
+    fn long_sentences_are_broken_between_words_and_short_ones_left_alone() {
+        assert_eq!(wrapped("note: short"), "note: short\n");
+        let long = "word ".repeat(50);
+        let lines = wrapped(long.trim_end());
+        assert!(lines.lines().all(|l| l.len() <= WIDTH) && lines.lines().count() == 3, "{lines}");
+        assert_eq!(lines.split_whitespace().count(), 50);
     }
 
     #[test]

@@ -11,6 +11,7 @@ use rand_distr::{Distribution, StandardNormal};
 use std::error::Error;
 use std::f64::consts::PI;
 use std::path::Path;
+use washboard::linalg::C64;
 use washboard::report::identify_page;
 use washboard::road::{Coherence, IsoClass, Road, Spectrum};
 use washboard::signal::{Repair, RepairKind};
@@ -78,7 +79,9 @@ fn sample() -> Result<IdentifyOutcome, Box<dyn Error>> {
             pole: [mode.pole.re, mode.pole.im],
             shape: values.map(|(dof, z)| ShapeValue { dof: dof.clone(), re: z.re, im: z.im }).collect(),
             label: label.clone(),
-            ..IdentifiedMode::default()
+            points: points(&vehicle, &mode.shape),
+            mpc: Some(collinearity(&mode.shape)),
+            mean_phase_deg: Some(near(0.0, 4.0)),
         }
     });
     let mut identified: Vec<_> = identified.collect();
@@ -111,6 +114,10 @@ fn sample() -> Result<IdentifyOutcome, Box<dyn Error>> {
         delay_s: 2.66 / SPEED_M_S,
         parameters: parameters.map(|(n, v)| (n.to_owned(), v)).to_vec(),
     };
+    let singular_values = singular_values(&identified);
+    let runs = runs(&identified, &mut near);
+    let shapes: Vec<&Vec<C64>> = modes.iter().map(|(m, _)| &m.shape).collect();
+    let mac = shapes.iter().map(|a| shapes.iter().map(|b| likeness(a, b)).collect()).collect();
     let spectra = spectra(&vehicle, &road, &channels, freq_hz.clone(), &mut random)?;
     Ok(IdentifyOutcome {
         converged: true,
@@ -164,9 +171,133 @@ fn sample() -> Result<IdentifyOutcome, Box<dyn Error>> {
         recording: recording(&channels),
         spectra,
         stabilization,
+        singular_values: Some(singular_values),
+        mac,
+        starts: starts(),
+        orders: orders(),
+        clocks: vec![ClockOffset { channel: "hub_rear_left".into(), offset_s: 0.0123, sd_s: 0.0004 }],
+        runs,
         truth: Some(truth),
-        ..IdentifyOutcome::default()
     })
+}
+
+/// Body corners and hubs: pitch is positive nose down, roll left side up.
+fn points(vehicle: &Vehicle, shape: &[C64]) -> Vec<ShapePoint> {
+    let at =
+        |dof: &str| vehicle.dofs().iter().position(|d| d == dof).map_or(C64::new(0.0, 0.0), |k| shape[k]);
+    let body = vehicle
+        .wheels()
+        .iter()
+        .map(|w| ("body", w, at("heave") - at("pitch") * w.at_m[0] + at("roll") * w.at_m[1]));
+    let hubs = vehicle.wheels().iter().map(|w| ("hub", w, at(&format!("unsprung_{}", w.name))));
+    let all: Vec<_> = body.chain(hubs).collect();
+    let largest =
+        all.iter().map(|p| p.2).fold(C64::new(1e-9, 0.0), |a, b| if b.norm() > a.norm() { b } else { a });
+    let point = |(place, w, z): (&str, &washboard::vehicle::Wheel, C64)| {
+        let (name, z) = (format!("{place} {}", w.name.replace('_', "-")), z / largest);
+        ShapePoint { name, place: place.into(), at_m: w.at_m, re: z.re, im: z.im }
+    };
+    all.into_iter().map(point).collect()
+}
+
+/// |aᴴb|²/(aᴴa · bᴴb).
+fn likeness(a: &[C64], b: &[C64]) -> f64 {
+    let product = |u: &[C64], v: &[C64]| u.iter().zip(v).map(|(u, v)| u.conj() * v).sum::<C64>();
+    product(a, b).norm_sqr() / (product(a, a).re * product(b, b).re)
+}
+
+/// The modal phase collinearity |Σz²|²/(Σ|z|²)².
+fn collinearity(shape: &[C64]) -> f64 {
+    let square: C64 = shape.iter().map(|z| z * z).sum();
+    square.norm_sqr() / shape.iter().map(|z| z.norm_sqr()).sum::<f64>().powi(2)
+}
+
+fn starts() -> Vec<StartTried> {
+    let start =
+        |name: &str, cost, chi, converged| StartTried { name: name.into(), cost, chi, converged, steps: 23 };
+    vec![
+        start("a small car", -48_213.71, 0.39, true),
+        start("a van", -48_213.70, 0.39, true),
+        start("a light truck", -47_911.02, 1.4, true),
+        start("stiff springs", -40_122.9, 5.3, false),
+    ]
+}
+
+fn orders() -> Vec<OrderTried> {
+    let order = |modes, cost: f64, chi| OrderTried {
+        modes,
+        parameters: 9 * modes,
+        cost,
+        bic: 2.0 * cost + 9.0 * modes as f64 * AVERAGES.ln(),
+        chi,
+        converged: true,
+        chosen: modes == 7,
+    };
+    vec![
+        order(5, -44_000.0, 3.1),
+        order(6, -47_800.0, 0.88),
+        order(7, -48_213.7, 0.39),
+        order(8, -48_219.9, 0.39),
+    ]
+}
+
+/// Five drives at five speeds.
+fn runs(modes: &[IdentifiedMode], near: &mut impl FnMut(f64, f64) -> f64) -> Vec<RunSummary> {
+    let mut runs = Vec::new();
+    for (k, speed) in [12.0, 16.0, 20.0, 24.0, 28.0].into_iter().enumerate() {
+        let own = modes.iter().map(|m| {
+            let (f_sd, zeta_sd) = (4e-3 * m.freq_hz, 0.006);
+            let (freq_hz, damping) = (near(m.freq_hz, f_sd), near(m.damping, zeta_sd));
+            let label = m.label.clone();
+            IdentifiedMode {
+                freq_hz,
+                freq_sd_hz: Some(f_sd),
+                damping,
+                damping_sd: Some(zeta_sd),
+                label,
+                ..IdentifiedMode::default()
+            }
+        });
+        let misfit = Flag {
+            name: "misfit".into(),
+            text: "The model does not explain the data near 16.2 Hz: χ = 0.91, 0.6 is the limit.".into(),
+        };
+        runs.push(RunSummary {
+            name: format!("drive-{:02}.toml", k + 3),
+            speed_m_s: Some(speed),
+            duration_s: 240.0,
+            converged: true,
+            flags: if k == 4 { vec![misfit] } else { vec![] },
+            modes: own.collect(),
+            road: Some(IdentifiedRoad {
+                roughness_m3: near(16e-6, 0.3e-6),
+                roughness_sd_m3: 0.3e-6,
+                exponent: near(2.0, 0.02),
+                exponent_sd: 0.02,
+                correlation: Some(0.4),
+                convention: Convention::OneSidedRadPerM,
+                class: IsoClass::C,
+                band_rad_per_m: [0.126, 6.3],
+            }),
+            coherence: Some(IdentifiedCoherence { mu: near(3.8, 0.1), mu_sd: 0.1 }),
+            delay_s: Some(2.66 / speed),
+            chi: Some(if k == 4 { 0.91 } else { 0.41 }),
+        });
+    }
+    runs
+}
+
+/// Bumps at the modes.
+fn singular_values(modes: &[IdentifiedMode]) -> SingularValues {
+    let freq_hz: Vec<f64> = (2..=100).map(|k| 0.2 * f64::from(k)).collect();
+    let curve = |level: f64| {
+        let bump = |f: f64, m: &IdentifiedMode| {
+            let r = f / m.freq_hz;
+            r * r / ((1.0 - r * r).powi(2) + (2.0 * m.damping * r).powi(2))
+        };
+        freq_hz.iter().map(|f| level * modes.iter().map(|m| bump(*f, m)).sum::<f64>()).collect()
+    };
+    SingularValues { values: [0.3, 0.08, 0.02, 0.004].map(curve).to_vec(), freq_hz }
 }
 
 /// Exact spectra of the ride, and an estimate of each from so many averages.
@@ -213,7 +344,7 @@ fn spectra(
         let (first, second) = (channels[i].0.clone(), channels[j].0.clone());
         PairSpectrum { first, second, coherence, fitted_coherence, phase_rad, fitted_phase_rad }
     });
-    Ok(SpectraPlot { freq_hz, channels: auto, pairs: pairs.to_vec(), ..SpectraPlot::default() })
+    Ok(SpectraPlot { freq_hz, confidence: Some([0.89, 1.13]), channels: auto, pairs: pairs.to_vec() })
 }
 
 fn stabilization(modes: &[IdentifiedMode], near: &mut impl FnMut(f64, f64) -> f64) -> Vec<StabilizationPole> {

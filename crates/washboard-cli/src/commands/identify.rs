@@ -2,7 +2,7 @@
 
 use crate::args::{assignment, pair, word};
 use crate::output::{Failure, Output};
-use crate::table::{Table, number, percent, with_sd};
+use crate::table::{Table, number, percent, with_sd, wrapped};
 use clap::Args;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use std::fmt::Write;
@@ -98,10 +98,10 @@ pub fn finish(
 fn table(o: &IdentifyOutcome) -> String {
     let mut text = recording(o);
     for flag in &o.flags {
-        let _ = writeln!(text, "! {}: {}", flag.name, flag.text);
+        text += &wrapped(&format!("! {}: {}", flag.name, flag.text));
     }
     for note in &o.notes {
-        let _ = writeln!(text, "note: {}", note.text);
+        text += &wrapped(&format!("note: {}", note.text));
     }
     text += "\n";
     text += &modes(o);

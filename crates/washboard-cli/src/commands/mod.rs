@@ -1,6 +1,7 @@
 //! The commands, one a file: arguments, a call of the library, a table.
 
 pub mod cases;
+pub mod compare;
 pub mod damping;
 pub mod demo;
 pub mod identify;

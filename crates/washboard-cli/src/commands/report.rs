@@ -1,18 +1,19 @@
 //! `washboard report`: the page again from result.json.
 
+use crate::commands::compare;
 use crate::output::{Failure, Output};
 use clap::Args;
 use serde::Serialize;
 use std::path::PathBuf;
 use std::process::ExitCode;
 use washboard::files::write_whole;
-use washboard::report::identify_page;
-use washboard::study::{Envelope, IdentifyOutcome, read_result};
+use washboard::report::{compare_page, identify_page};
+use washboard::study::{CompareOutcome, Envelope, IdentifyOutcome, is_result_of, read_result};
 
 /// Write report.html again from result.json.
 #[derive(Debug, Args)]
 pub struct Arguments {
-    /// What `identify -o DIR` or `demo -o DIR` wrote.
+    /// What `identify -o DIR`, `demo -o DIR` or `compare -o DIR` wrote.
     #[arg(value_name = "DIR")]
     directory: PathBuf,
 }
@@ -24,14 +25,21 @@ struct Written {
 
 /// Reads, writes, says where.
 pub fn run(arguments: Arguments, output: Output) -> Result<ExitCode, Failure> {
-    let result = read_result::<IdentifyOutcome>(&arguments.directory.join("result.json"))?;
-    let page = arguments.directory.join("report.html");
-    let title = match result.command.as_str() {
-        "demo" => "washboard demo",
-        _ => &result.outcome.recording.name,
+    let (file, page) = (arguments.directory.join("result.json"), arguments.directory.join("report.html"));
+    let (inputs, text) = if is_result_of(&arguments.directory, "compare") {
+        let result = read_result::<CompareOutcome>(&file)?;
+        (result.inputs, compare_page(&result.outcome, &compare::title(&result.outcome)))
+    } else {
+        let result = read_result::<IdentifyOutcome>(&file)?;
+        let title = match result.command.as_str() {
+            "demo" => "washboard demo",
+            _ => &result.outcome.recording.name,
+        };
+        let text = identify_page(&result.outcome, title);
+        (result.inputs, text)
     };
-    write_whole(&page, identify_page(&result.outcome, title).as_bytes())?;
+    write_whole(&page, text.as_bytes())?;
     let written = Written { report: page.display().to_string() };
-    output.print(&Envelope::new("report", result.inputs, written), |w| format!("wrote {}\n", w.report))?;
+    output.print(&Envelope::new("report", inputs, written), |w| format!("wrote {}\n", w.report))?;
     Ok(ExitCode::SUCCESS)
 }

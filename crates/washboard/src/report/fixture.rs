@@ -24,24 +24,54 @@ pub(super) fn full() -> IdentifyOutcome {
             ShapeValue { dof: name(), re: 0.1, im: 0.2 },
         ],
         label: label.into(),
-        ..IdentifiedMode::default()
+        points: vec![
+            ShapePoint { name: name(), place: "body".into(), at_m: [1.0, 0.7], re: 1.0, im: 0.0 },
+            ShapePoint { name: name(), place: name(), at_m: [1.0, -0.7], re: 0.6, im: 0.8 },
+            ShapePoint { name: name(), place: "body".into(), at_m: [-1.5, 0.0], re: 0.5, im: 0.0 },
+            ShapePoint { name: name(), place: "hub".into(), at_m: [1.0, 0.7], re: 0.3, im: 0.4 },
+        ],
+        mpc: Some(0.8768),
+        mean_phase_deg: Some(-12.34),
     };
+    let road = IdentifiedRoad {
+        roughness_m3: 14.91e-6,
+        roughness_sd_m3: 0.2e-6,
+        exponent: 2.004,
+        exponent_sd: 0.005,
+        correlation: Some(0.5),
+        convention: Convention::OneSidedRadPerM,
+        class: IsoClass::C,
+        band_rad_per_m: [0.126, 6.3],
+    };
+    let run = |speed_m_s: f64| RunSummary {
+        name: name(),
+        speed_m_s: Some(speed_m_s),
+        duration_s: 600.0,
+        converged: true,
+        flags: vec![Flag { name: name(), text: format!("the run’s flag says {NASTY}") }],
+        modes: vec![mode(1.0 + 0.01 * speed_m_s, NASTY)],
+        road: Some(road.clone()),
+        coherence: Some(IdentifiedCoherence { mu: 3.7, mu_sd: 0.1 }),
+        delay_s: Some(2.66 / speed_m_s),
+        chi: Some(0.43),
+    };
+    let order = |modes: usize, chosen: bool| OrderTried {
+        modes,
+        parameters: 7 * modes,
+        cost: -1234.5,
+        bic: if chosen { -2300.0 } else { -2250.0 },
+        chi: if chosen { 0.41 } else { 0.97 },
+        converged: true,
+        chosen,
+    };
+    let start = |converged: bool| StartTried { name: name(), cost: -1234.5, chi: 0.41, converged, steps: 17 };
     IdentifyOutcome {
         converged: true,
         method: "physical".into(),
         notes: vec![],
         flags: vec![Flag { name: name(), text: format!("the flag says {NASTY}") }],
         modes: vec![mode(1.064, "heave"), mode(8.044, NASTY)],
-        road: Some(IdentifiedRoad {
-            roughness_m3: 14.91e-6,
-            roughness_sd_m3: 0.2e-6,
-            exponent: 2.004,
-            exponent_sd: 0.005,
-            correlation: Some(0.5),
-            convention: Convention::OneSidedRadPerM,
-            class: IsoClass::C,
-            band_rad_per_m: [0.126, 6.3],
-        }),
+        road: Some(road.clone()),
         coherence: Some(IdentifiedCoherence { mu: 3.8, mu_sd: 0.06 }),
         delay_s: Some(0.133),
         delay_sd_s: Some(0.00001),
@@ -93,6 +123,7 @@ pub(super) fn full() -> IdentifyOutcome {
         },
         spectra: SpectraPlot {
             freq_hz: freq_hz.clone(),
+            confidence: Some([0.84, 1.2]),
             channels: vec![ChannelSpectrum {
                 channel: name(),
                 unit: "m/s²".into(),
@@ -107,8 +138,16 @@ pub(super) fn full() -> IdentifyOutcome {
                 phase_rad: wave(1.0),
                 fitted_phase_rad: wave(1.1),
             }],
-            ..SpectraPlot::default()
         },
+        singular_values: Some(SingularValues {
+            freq_hz: freq_hz.clone(),
+            values: vec![wave(3.0), wave(0.2)],
+        }),
+        mac: vec![vec![1.0, 0.254], vec![0.254, 1.0]],
+        starts: vec![start(true), start(false)],
+        orders: vec![order(6, false), order(7, true)],
+        clocks: vec![ClockOffset { channel: name(), offset_s: 0.0123, sd_s: 0.0004 }],
+        runs: vec![run(15.0), run(25.0)],
         stabilization: vec![StabilizationPole {
             order: 10,
             freq_hz: 1.06,
@@ -124,7 +163,6 @@ pub(super) fn full() -> IdentifyOutcome {
             delay_s: 0.133,
             parameters: vec![(name(), 15750.0)],
         }),
-        ..IdentifyOutcome::default()
     }
 }
 
@@ -144,8 +182,19 @@ pub(super) fn sparse() -> IdentifyOutcome {
         parameters: Vec::new(),
         fit: None,
         truth: None,
+        singular_values: None,
+        mac: Vec::new(),
+        starts: Vec::new(),
+        orders: Vec::new(),
+        clocks: Vec::new(),
+        runs: Vec::new(),
         ..full()
     };
+    for mode in &mut outcome.modes {
+        mode.points.clear();
+        (mode.mpc, mode.mean_phase_deg) = (None, None);
+    }
+    outcome.spectra.confidence = None;
     outcome.recording.speed_m_s = None;
     outcome.recording.repairs.clear();
     for channel in &mut outcome.spectra.channels {

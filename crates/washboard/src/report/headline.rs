@@ -31,7 +31,7 @@ fn verdict(outcome: &IdentifyOutcome) -> (&'static str, String) {
     }
 }
 
-fn flags(flags: &[Flag]) -> Html {
+pub(super) fn flags(flags: &[Flag]) -> Html {
     if flags.is_empty() {
         return Html::default();
     }
@@ -99,7 +99,7 @@ fn tiles(outcome: &IdentifyOutcome) -> Html {
     classed("dl", "tiles", tiles.into_iter().map(tile).collect::<Html>())
 }
 
-fn method_words(method: &str) -> String {
+pub(super) fn method_words(method: &str) -> String {
     match method {
         "physical" => "physical model of the vehicle on its road".to_owned(),
         "tvimm" => "track-vehicle interaction modal model".to_owned(),

@@ -4,10 +4,9 @@ use super::Plots;
 use super::html::{Html, classed, element, note, table};
 use super::numbers::{fixed, interval, with_sd};
 use super::plot::Mark;
+use super::shapes::has_panel;
 use crate::study::{IdentifiedMode, IdentifyOutcome, ShapeValue};
 
-/// Neighbours closer than this ratio of frequencies share one label on a plot.
-const LABEL_RATIO: f64 = 1.2;
 /// Components below this share of the largest have no phase worth a look.
 const NO_PHASE: f64 = 0.02;
 /// A shape's drawing: height of a row, where bars begin, the longest bar, where the clock's middle is.
@@ -24,14 +23,19 @@ pub(super) fn modes(outcome: &IdentifyOutcome, _: &mut Plots) -> Option<Html> {
         return None;
     }
     let known = outcome.modes.iter().any(|m| m.freq_sd_hz.is_some() || m.damping_sd.is_some());
-    let heads = if known {
-        &["# no.", "motion", "# f ± sd, Hz", "# 95 % interval, Hz", "# ζ ± sd, %", "# 95 % interval, %"][..]
+    let collinear = outcome.modes.iter().any(|m| m.mpc.is_some());
+    let turned = outcome.modes.iter().any(|m| m.mean_phase_deg.is_some());
+    let mut heads = vec!["# no.", "motion"];
+    heads.extend(if known {
+        &["# f ± sd, Hz", "# 95 % interval, Hz", "# ζ ± sd, %", "# 95 % interval, %"][..]
     } else {
-        &["# no.", "motion", "# f, Hz", "# ζ, %"][..]
-    };
+        &["# f, Hz", "# ζ, %"][..]
+    });
+    heads.extend(collinear.then_some("# MPC"));
+    heads.extend(turned.then_some("# mean phase, °"));
     let rows = outcome.modes.iter().enumerate().map(|(k, m)| {
         let (zeta, zeta_sd) = (100.0 * m.damping, m.damping_sd.map(|s| 100.0 * s));
-        let mut row: Vec<Html> = vec![(k + 1).to_string().into(), m.label.as_str().into()];
+        let mut row: Vec<Html> = vec![(k + 1).to_string().into(), name(k, m)];
         row.push(with_sd(m.freq_hz, m.freq_sd_hz).into());
         if known {
             row.push(interval(m.freq_hz, m.freq_sd_hz).unwrap_or_else(|| "–".into()).into());
@@ -40,16 +44,56 @@ pub(super) fn modes(outcome: &IdentifyOutcome, _: &mut Plots) -> Option<Html> {
         if known {
             row.push(interval(zeta, zeta_sd).unwrap_or_else(|| "–".into()).into());
         }
+        let cell = |v: Option<f64>, decimals| v.map_or_else(|| "–".to_owned(), |v| fixed(v, decimals)).into();
+        row.extend(collinear.then(|| cell(m.mpc, 3)));
+        row.extend(turned.then(|| cell(m.mean_phase_deg, 1)));
         row
     });
-    let mut body = table("f = |λ|/2π and ζ = −Re λ/|λ| of each mode’s pole λ", heads, rows.collect());
+    let mut body = table("f = |λ|/2π and ζ = −Re λ/|λ| of each mode’s pole λ", &heads, rows.collect());
+    if collinear {
+        body.push(note(
+            "MPC, the modal phase collinearity, is 1 for a standing motion and 0 for a travelling one. Strongly damped \
+             vehicles have complex shapes: a low value is no fault.",
+        ));
+    }
     if outcome.modes.iter().any(|m| !m.shape.is_empty()) {
         let cards = outcome.modes.iter().enumerate().filter(|(_, m)| !m.shape.is_empty());
-        body.push(element("h3", &[], "Shapes"));
-        body.push(classed("div", "shapes", cards.map(|(k, m)| card(k, m)).collect::<Html>()));
-        body.push(note(words(outcome)));
+        let cards = classed("div", "shapes", cards.map(|(k, m)| card(k, m)).collect::<Html>());
+        // where the vehicle itself is drawn, the components are for those who look for them
+        if outcome.modes.iter().all(has_panel) {
+            let summary = element("summary", &[], "Components of each shape");
+            body.push(element("details", &[], summary.and(cards).and(note(words(outcome)))));
+        } else {
+            body.push(element("h3", &[], "Components of each shape"));
+            body.push(cards.and(note(words(outcome))));
+        }
     }
     Some(body)
+}
+
+/// The label; a link where there is a drawing to look at.
+fn name(index: usize, mode: &IdentifiedMode) -> Html {
+    if has_panel(mode) {
+        element("a", &[("href", &format!("#shape-{}", index + 1))], mode.label.as_str())
+    } else {
+        mode.label.as_str().into()
+    }
+}
+
+/// What the numbers on the plots stand for.
+pub(super) fn key(outcome: &IdentifyOutcome) -> String {
+    let name = |(k, m): (usize, &IdentifiedMode)| {
+        let (number, f) = (k + 1, fixed(m.freq_hz, 2));
+        // a label that only counts says nothing beside the number
+        let counts = m.label == format!("mode {number}");
+        if counts { format!("{number} at {f} Hz") } else { format!("{number} {} ({f} Hz)", m.label) }
+    };
+    let names: Vec<String> = outcome.modes.iter().enumerate().map(name).collect();
+    if names.is_empty() {
+        String::new()
+    } else {
+        format!(" Dashed verticals are the modes: {}.", names.join(", "))
+    }
 }
 
 fn words(outcome: &IdentifyOutcome) -> String {
@@ -129,26 +173,19 @@ fn short_name(name: &str) -> String {
     words.chars().take(NAME_LETTERS - 1).chain(['…']).collect()
 }
 
-/// The modes as vertical lines of a plot; a run of close neighbours has one label, as `4–7`.
+/// The phase as the hand of a clock: to the right at 0, upwards at a quarter turn.
+pub(super) fn dial(angle: f64) -> Html {
+    element(
+        "svg",
+        &[("viewBox", "0 0 18 18"), ("class", "dial"), ("aria-hidden", "true")],
+        clock(9.0, 9.0, angle),
+    )
+}
+
+/// The modes as vertical lines of a plot, each with its number.
 pub(super) fn marks(modes: &[IdentifiedMode]) -> Vec<Mark> {
-    if modes.iter().any(|m| !m.freq_hz.is_finite()) {
-        return Vec::new();
-    }
-    let mut marks = Vec::with_capacity(modes.len());
-    let mut first = 0;
-    for (k, mode) in modes.iter().enumerate() {
-        let ends = modes.get(k + 1).is_none_or(|next| next.freq_hz > LABEL_RATIO * mode.freq_hz);
-        let label = match (ends, first == k) {
-            (false, _) => String::new(),
-            (true, true) => (k + 1).to_string(),
-            (true, false) => format!("{}–{}", first + 1, k + 1),
-        };
-        if ends {
-            first = k + 1;
-        }
-        marks.push(Mark::new(mode.freq_hz, label));
-    }
-    marks
+    let finite = modes.iter().enumerate().filter(|(_, m)| m.freq_hz.is_finite());
+    finite.map(|(k, m)| Mark::new(m.freq_hz, (k + 1).to_string())).collect()
 }
 
 #[cfg(test)]
@@ -170,12 +207,16 @@ mod tests {
     }
 
     #[test]
-    fn close_modes_share_a_label() {
-        let labels = |f: &[f64]| -> Vec<String> {
-            marks(&f.iter().map(|f| mode(*f)).collect::<Vec<_>>()).into_iter().map(|m| m.label).collect()
-        };
-        assert_eq!(labels(&[1.06, 1.52, 1.69, 8.04, 8.13, 8.2]), ["1", "", "2–3", "", "", "4–6"]);
-        assert!(labels(&[]).is_empty());
+    fn every_mode_has_its_own_mark_and_its_name_stands_in_the_key() {
+        let modes: Vec<_> = [1.06, 8.13, 8.14].map(mode).to_vec();
+        let labels: Vec<String> = marks(&modes).into_iter().map(|m| m.label).collect();
+        assert_eq!(labels, ["1", "2", "3"]);
+        let outcome = IdentifyOutcome { modes, ..IdentifyOutcome::default() };
+        assert_eq!(
+            key(&outcome),
+            " Dashed verticals are the modes: 1 x (1.06 Hz), 2 x (8.13 Hz), 3 x (8.14 Hz)."
+        );
+        assert!(marks(&[]).is_empty() && key(&IdentifyOutcome::default()).is_empty());
     }
 
     #[test]

@@ -1,10 +1,23 @@
-//! A plot as data: what `report.js` draws, and nothing that it would have to compute.
+//! A plot as data: what `plots.js` draws, and nothing that it would have to compute.
 
 use super::html::{Html, classed, element};
 use serde::{Deserialize, Serialize};
 
 /// Digits kept of a plotted number: more than any screen shows, and half the size of the page.
 const PLOTTED_DIGITS: usize = 6;
+
+/// The plots of a page in the order of their places.
+#[derive(Debug, Default)]
+pub(super) struct Plots(pub Vec<Plot>);
+
+impl Plots {
+    /// Keeps a plot and returns its place in the page.
+    pub fn add(&mut self, plot: Plot) -> Html {
+        let place = plot.place(self.0.len());
+        self.0.push(plot);
+        place
+    }
+}
 
 /// One plot.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -17,6 +30,9 @@ pub(super) struct Plot {
     pub x_axis: Axis,
     /// The ordinate's scale.
     pub y_axis: Axis,
+    /// A second ordinate at the right, for the series that say so.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub second_axis: Option<Axis>,
     /// The curves.
     pub series: Vec<Series>,
     /// Vertical lines: the modes.
@@ -58,10 +74,11 @@ impl Axis {
 }
 
 /// What a curve is: it decides colour, width and shape.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub(super) enum Role {
     /// Measured, a thin line.
+    #[default]
     Measured,
     /// Measured, points alone.
     MeasuredPoints,
@@ -77,14 +94,24 @@ pub(super) enum Role {
     Low,
     /// The truth of a simulation.
     Truth,
-    /// Stable poles.
-    Stable,
-    /// Poles that are not.
-    Unstable,
+    /// Poles, each kind with its own sign and colour.
+    Poles,
+    /// Estimates with their error bars, each kind with its own sign and colour.
+    Estimates,
+    /// Singular values, lines behind the poles.
+    Singular,
+    /// Measured before a change, and after it.
+    Before,
+    /// The later one.
+    After,
+    /// Ends of an interval about the measured curve.
+    MeasuredHigh,
+    /// The lower one.
+    MeasuredLow,
 }
 
 /// A curve; null where it has a gap.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub(super) struct Series {
     /// For the legend.
     pub label: String,
@@ -92,6 +119,23 @@ pub(super) struct Series {
     pub role: Role,
     /// Ordinates, one an abscissa.
     pub y: Vec<Option<f64>>,
+    /// Half the length of each point's error bar; empty for none.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub error: Vec<Option<f64>>,
+    /// Which sign and colour, of the roles that have several.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub sign: usize,
+    /// On the second ordinate.
+    #[serde(default, skip_serializing_if = "is_false")]
+    pub second: bool,
+}
+
+fn is_zero(n: &usize) -> bool {
+    *n == 0
+}
+
+fn is_false(b: &bool) -> bool {
+    !b
 }
 
 /// A vertical line with a text at its top.
@@ -112,12 +156,15 @@ pub(super) struct Line {
     pub y: [f64; 2],
     /// Text; empty for none.
     pub label: String,
+    /// The colour of the points of this sign, to which it belongs.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub sign: Option<usize>,
 }
 
 impl Line {
     /// From one point to another.
     pub fn new(x: [f64; 2], y: [f64; 2], label: impl Into<String>) -> Self {
-        Line { x: x.map(short), y: y.map(short), label: label.into() }
+        Line { x: x.map(short), y: y.map(short), label: label.into(), sign: None }
     }
 }
 
@@ -136,6 +183,7 @@ impl Plot {
             x: x.iter().map(|v| short(*v)).collect(),
             x_axis,
             y_axis,
+            second_axis: None,
             series: Vec::new(),
             marks: Vec::new(),
             lines: Vec::new(),
@@ -147,13 +195,25 @@ impl Plot {
 
     /// A curve more; one that has not a value an abscissa is left out. Values that the scale cannot show become gaps.
     pub fn curve(mut self, label: &str, role: Role, y: impl IntoIterator<Item = Option<f64>>) -> Self {
-        let log = self.y_axis.log;
-        let shown = |v: &f64| v.is_finite() && (!log || *v > 0.0);
-        let y: Vec<Option<f64>> = y.into_iter().map(|v| v.filter(shown).map(short)).collect();
-        if y.len() == self.x.len() && y.iter().any(Option::is_some) {
-            self.series.push(Series { label: label.to_owned(), role, y });
-        }
+        let curve = Series { label: label.to_owned(), role, y: y.into_iter().collect(), ..Series::default() };
+        self.push(curve);
         self
+    }
+
+    /// The same with error bars, signs or the second ordinate.
+    pub fn push(&mut self, mut series: Series) {
+        let log =
+            if series.second { self.second_axis.as_ref().is_some_and(|a| a.log) } else { self.y_axis.log };
+        let shown = |v: &f64| v.is_finite() && (!log || *v > 0.0);
+        for y in &mut series.y {
+            *y = y.filter(shown).map(short);
+        }
+        for e in &mut series.error {
+            *e = e.filter(|e| e.is_finite()).map(short);
+        }
+        if series.y.len() == self.x.len() && series.y.iter().any(Option::is_some) {
+            self.series.push(series);
+        }
     }
 
     /// Where the plot stands in the page: an empty place that names the plot by its number.

@@ -1,50 +1,13 @@
-//! What was found and left out: poles, narrow lines, and the diagram on which poles were judged.
+//! What was found and left out: poles and narrow lines.
 
-use super::html::{Html, classed, element, note, paragraph, table};
+use super::Plots;
+use super::html::{Html, classed, element, paragraph, table};
 use super::numbers::{fixed, significant};
-use super::plot::{Axis, Plot, Role};
-use super::{Plots, modes};
-use crate::study::{IdentifyOutcome, RejectedMode, SpectralLine, StabilizationPole};
+use crate::study::{IdentifyOutcome, RejectedMode, SpectralLine};
 use std::collections::BTreeMap;
 
 /// Rows of a table that are shown at once.
 const ROWS: usize = 30;
-
-/// Order over frequency of all poles.
-pub(super) fn stabilization(outcome: &IdentifyOutcome, plots: &mut Plots) -> Option<Html> {
-    let shown = |p: &&StabilizationPole| p.freq_hz.is_finite() && p.freq_hz >= 0.0;
-    let mut poles: Vec<&StabilizationPole> = outcome.stabilization.iter().filter(shown).collect();
-    if poles.is_empty() {
-        return None;
-    }
-    poles.sort_by(|a, b| a.freq_hz.total_cmp(&b.freq_hz));
-    let x: Vec<f64> = poles.iter().map(|p| p.freq_hz).collect();
-    let of = |stable: bool| poles.iter().map(move |p| (p.stable == stable).then_some(p.order as f64));
-    let highest = poles.iter().map(|p| p.order).max().unwrap_or(0) as f64;
-    let y_axis = Axis::new("model order", "", false).within(0.0, 1.05 * highest);
-    let mut plot = Plot::new("Stabilisation diagram", &x, Axis::new("frequency", "Hz", false), y_axis)
-        .curve("not stable", Role::Unstable, of(false))
-        .curve("stable", Role::Stable, of(true));
-    plot.hover = poles.iter().map(|p| pole_words(p)).collect();
-    plot.marks = modes::marks(&outcome.modes);
-    plot.wide = true;
-    let stable = poles.iter().filter(|p| p.stable).count();
-    let words = format!("{stable} of {} poles are stable from one order to the next.", poles.len());
-    Some(
-        paragraph(words)
-            .and(plots.add(plot))
-            .and(note("Point at a pole to read why it was judged as it was.")),
-    )
-}
-
-fn pole_words(p: &StabilizationPole) -> String {
-    let verdict = match (&p.why, p.stable) {
-        (Some(why), _) => why.as_str(),
-        (None, true) => "stable",
-        (None, false) => "not stable",
-    };
-    format!("order {}: {} Hz, ζ {} %; {verdict}", p.order, fixed(p.freq_hz, 3), fixed(100.0 * p.damping, 1))
-}
 
 /// Poles that are no modes, with the count of each reason.
 pub(super) fn rejected(outcome: &IdentifyOutcome, _: &mut Plots) -> Option<Html> {

@@ -9,8 +9,8 @@ use crate::study::{IdentifiedRoad, IdentifyOutcome};
 use crate::units::{Convention, rad_per_s};
 use std::f64::consts::{LN_2, TAU};
 
-/// The classes' lines reach at least so far, rad/m.
-const SHOWN_RAD_PER_M: [f64; 2] = [0.05, 20.0];
+/// The classes' lines reach so far beyond the band, as a factor.
+const BEYOND: f64 = 1.25;
 /// ISO 8608's reference in cycles/m, at which many write the roughness.
 const REFERENCE_CYCLES_PER_M: f64 = 0.1;
 /// Points of a smooth curve.
@@ -18,11 +18,9 @@ const POINTS: usize = 81;
 /// The coherence of the tracks is drawn until it has fallen to this.
 const LEAST_COHERENCE: f64 = 0.02;
 
-/// S₀ and its standard deviation as ISO 8608 writes them: one-sided, per rad/m, at 1 rad/m.
+/// S₀ and its standard deviation as ISO 8608 writes them.
 pub(super) fn one_sided(road: &IdentifiedRoad) -> (f64, f64) {
-    // a factor between conventions does not depend on the speed
-    let convert = |s: f64| Convention::OneSidedRadPerM.density(road.convention.two_sided_time(s, 1.0), 1.0);
-    (convert(road.roughness_m3), convert(road.roughness_sd_m3))
+    road.one_sided()
 }
 
 /// Numbers of the road, and its spectrum on the class limits.
@@ -47,12 +45,31 @@ pub(super) fn spectrum(outcome: &IdentifyOutcome, plots: &mut Plots) -> Option<H
     let band = format!("{} to {} rad/m", significant(a, 3), significant(b, 3));
     let waves = format!("wavelengths of {} to {} m", significant(TAU / b, 3), significant(TAU / a, 3));
     rows.push(vec!["band that the drive excited".into(), band.into(), waves.into()]);
+    rows.push(band_row(road));
     let body =
         paragraph(class_words(s0, sd)).and(table("", &["quantity", "# found", "# 95 % interval"], rows));
     Some(body.and(plots.add(plot(outcome, road, s0))).and(note(
         "Limits of the classes are a factor 2 about their geometric means at 1 rad/m, drawn with ISO 8608’s slope of −2. \
          The band about the road is its 95 % interval from the deviations of S₀ and e and their correlation.",
     )))
+}
+
+/// How wide the 95 % interval of G(Ω) is where it is narrowest and at the ends of the band.
+fn band_row(road: &IdentifiedRoad) -> Vec<Html> {
+    let [a, b] = road.band_rad_per_m;
+    let half = |nu: f64| 100.0 * ((FACTOR_95 * relative_sd(road, nu)).exp() - 1.0);
+    // where the derivative of the variance by ln Ω is zero, if that is in the band
+    let balance =
+        road.correlation.unwrap_or(0.0) * road.roughness_sd_m3 / road.roughness_m3 / road.exponent_sd;
+    let best =
+        if balance.is_finite() { balance.exp().clamp(a.min(b), b) } else { 1.0_f64.clamp(a.min(b), b) };
+    let narrowest = half(best);
+    let width = |v: f64| format!("±{} %", significant(v, 2));
+    vec![
+        "95 % interval of G(Ω)".into(),
+        format!("{} at {} rad/m", width(narrowest), significant(best, 2)).into(),
+        format!("{} and {} at the ends", width(half(a)), width(half(b))).into(),
+    ]
 }
 
 fn row(name: &str, (value, sd): (f64, f64), exponent: i32, unit: &str) -> Vec<Html> {
@@ -99,7 +116,7 @@ fn relative_sd(road: &IdentifiedRoad, nu: f64) -> f64 {
 
 fn plot(outcome: &IdentifyOutcome, road: &IdentifiedRoad, s0: f64) -> Plot {
     let [a, b] = road.band_rad_per_m;
-    let ends = [SHOWN_RAD_PER_M[0].min(a / 1.3), SHOWN_RAD_PER_M[1].max(b * 1.3)];
+    let ends = [a / BEYOND, b * BEYOND];
     let x = log_grid(ends, [a, b]);
     let inside = |nu: f64, g: f64| (nu >= a && nu <= b).then_some(g);
     let found = |nu: f64| s0 * nu.powf(-road.exponent);
@@ -201,6 +218,15 @@ mod tests {
         // ISO 8608 prints 256e-6 m³ at 0.1 cycles/m for the 16e-6 m³ at 1 rad/m
         let nu = rad_per_s(REFERENCE_CYCLES_PER_M);
         assert!((TAU * 16e-6 * nu.powf(-2.0) / 256e-6 - 1.0).abs() < 0.01);
+    }
+
+    #[test]
+    fn the_interval_of_the_density_is_narrowest_where_its_two_errors_balance() {
+        // Var ln G = s² + (d ln Ω)² − 2 r s d ln Ω with s = d = .01 and r = .5 is least, .75 s², at ln Ω = .5
+        let row = band_row(&road(Convention::OneSidedRadPerM, 16e-6));
+        assert_eq!(row[1].as_str(), "±1.7 % at 1.6 rad/m");
+        let end = 1.96 * 0.01 * (1.0_f64 + 10f64.ln().powi(2) + 10f64.ln()).sqrt(); // at 0.1 rad/m
+        assert!(row[2].as_str().starts_with(&format!("±{:.1} % and", 100.0 * (end.exp() - 1.0))), "{row:?}");
     }
 
     #[test]

@@ -12,9 +12,21 @@ pub(super) fn auto(outcome: &IdentifyOutcome, plots: &mut Plots) -> Option<Html>
     let mut grid = Html::default();
     for channel in &outcome.spectra.channels {
         let unit = density_unit(&channel.unit);
-        let mut plot = Plot::new(channel.channel.as_str(), &x, x_axis.clone(), Axis::new("", &unit, true))
-            .curve("fitted", Role::Fitted, pick(&channel.fitted, &keep))
-            .curve("measured", Role::Measured, pick(&channel.measured, &keep));
+        let measured = pick(&channel.measured, &keep);
+        let mut plot = Plot::new(channel.channel.as_str(), &x, x_axis.clone(), Axis::new("", &unit, true));
+        if let Some([low, high]) = outcome.spectra.confidence {
+            let times = |factor: f64| measured.iter().map(|v| v.map(|v| v * factor)).collect::<Vec<_>>();
+            plot = plot.curve("95 %, high", Role::MeasuredHigh, times(high)).curve(
+                "95 %, low",
+                Role::MeasuredLow,
+                times(low),
+            );
+        }
+        let mut plot = plot.curve("fitted", Role::Fitted, pick(&channel.fitted, &keep)).curve(
+            "measured",
+            Role::Measured,
+            measured,
+        );
         plot.marks.clone_from(&marks);
         plot.group = "frequency".to_owned();
         if !plot.series.is_empty() {
@@ -24,9 +36,11 @@ pub(super) fn auto(outcome: &IdentifyOutcome, plots: &mut Plots) -> Option<Html>
     (grid != Html::default()).then(|| {
         let fitted = outcome.spectra.channels.iter().any(|c| !c.fitted.is_empty());
         let curves = if fitted { "Thin and dark: measured; thick and light: the model, noise floor included." } else { "Thin: measured." };
+        let band = if outcome.spectra.confidence.is_some() { " Shaded: the 95 % interval of a measured value." } else { "" };
         classed("div", "grid", grid).and(note(format!(
-            "{curves} Dashed verticals: the modes by their numbers. One-sided densities per Hz. Point to read values at \
-             one frequency in all channels; drag to zoom, double-click to go back."
+            "{curves}{band} One-sided densities per Hz. Point to read values at one frequency in all channels; drag to \
+             zoom, double-click to go back.{}",
+            modes::key(outcome)
         )))
     })
 }
@@ -54,7 +68,7 @@ pub(super) fn cross(outcome: &IdentifyOutcome, plots: &mut Plots) -> Option<Html
     (body != Html::default()).then(|| {
         body.and(note(
             "Coherence is the magnitude squared, |S₁₂|²/(S₁₁S₂₂). A falling phase is a second channel that comes later. \
-             Where the coherence is near zero the measured phase is chance.",
+             Where the coherence is near zero the measured phase is chance. Numbers on top are the modes’.",
         ))
     })
 }
@@ -86,7 +100,7 @@ fn abscissa(outcome: &IdentifyOutcome) -> Option<(Vec<usize>, Vec<f64>, Axis)> {
 }
 
 /// unit²/Hz of the channel's unit, or the density's unit where that is what the outcome has.
-fn density_unit(unit: &str) -> String {
+pub(super) fn density_unit(unit: &str) -> String {
     if unit.contains("/Hz") {
         unit.to_owned()
     } else if unit.contains(['/', '·', '*', ' ']) {

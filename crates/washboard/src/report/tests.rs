@@ -1,6 +1,8 @@
 //! The page as a whole: what it contains, what it must never do.
 
 use super::fixture::{NASTY, full, sparse};
+use super::page::{SCRIPTS, STYLES, UPLOT_SCRIPT, UPLOT_STYLE};
+use super::plot::Plot;
 use super::*;
 
 /// The page's text between the first `open` after `from` and the next `close`.
@@ -49,8 +51,9 @@ fn every_tag_is_closed_and_no_name_became_one() {
         assert!(open.is_empty(), "never closed: {open:?}");
         assert!(!tags(&page).iter().any(|t| t.starts_with("img")));
         assert!(page.contains("&lt;/script&gt;&lt;img src=x onerror=alert(1)&gt;"));
-        assert_eq!(page.matches("<script").count(), 3);
-        assert_eq!(page.matches("</script>").count(), 3);
+        // the data, uPlot and our own
+        assert_eq!(page.matches("<script").count(), 2 + SCRIPTS.len());
+        assert_eq!(page.matches("</script>").count(), 2 + SCRIPTS.len());
     }
 }
 
@@ -73,7 +76,7 @@ fn plots_are_read_back_equal() {
     }
     let read: Vec<Plot> = serde_json::from_str(json).unwrap();
     assert_eq!(read, plots.0);
-    assert_eq!(read[0].title, NASTY);
+    assert!(read.iter().any(|p| p.title == NASTY));
     assert_eq!(tags(&page).iter().filter(|t| t.contains("data-plot=")).count(), read.len());
 }
 
@@ -91,7 +94,7 @@ fn nothing_is_fetched() {
             .any(|t| ["link", "iframe", "object", "embed", "base"].iter().any(|w| t.starts_with(w)))
     );
     assert!(markup.split(" href=\"").skip(1).all(|link| link.starts_with('#')));
-    for own in [SCRIPT, STYLE, UPLOT_STYLE] {
+    for own in SCRIPTS.into_iter().chain(STYLES).chain([UPLOT_STYLE]) {
         for word in [
             "http:",
             "https:",
@@ -158,4 +161,40 @@ fn values_that_are_none_do_not_reach_the_page() {
     let json = between(&page, "id=\"data\">", "</script>");
     assert!(!tags(&page).iter().any(|t| t.contains("NaN") || t.contains("inf")));
     assert!(serde_json::from_str::<Vec<Plot>>(json).is_ok());
+}
+
+#[test]
+fn what_others_fill_in_reaches_the_page_with_its_numbers() {
+    let page = identify_page(&full(), "t");
+    for text in [
+        "<td class=\"number\">0.877</td><td class=\"number\">−12.3</td>", // MPC and mean phase
+        "class=\"number shade-3\">0.25</td>",                             // MAC
+        ">0.500</td><td class=\"number\">53.1</td>",                      // size and phase of 0.3 + 0.4 i
+        "7 modes were chosen; they explain the data (χ = 0.41).",
+        "<td class=\"number\">50.0</td>", // BIC above the least
+        "1 of 2 starts came to the best end.",
+        "<td class=\"number\">12.3 ± 0.4</td>", // ms of a clock
+        "the run’s flag says &lt;/script&gt;",
+        "<td class=\"number\">177.33</td>", // ms from front to rear at 15 m/s
+        "href=\"#shape-2\"",
+    ] {
+        assert!(page.contains(text), "{text}");
+    }
+    let mut plots = Plots::default();
+    spectra::auto(&full(), &mut plots);
+    // the numbers on the plots are explained below them
+    assert!(page.contains("Dashed verticals are the modes: 1 heave (1.06 Hz), 2 &lt;/script&gt;"));
+    let [high, low, _, measured] = &plots.0[0].series[..] else { panic!("{:?}", plots.0[0].series) };
+    let at = |s: &plot::Series| s.y[5].unwrap();
+    // six digits are kept of each
+    assert!((at(high) / at(measured) - 1.2).abs() < 1e-5 && (at(low) / at(measured) - 0.84).abs() < 1e-5);
+}
+
+#[test]
+fn what_is_empty_leaves_no_trace() {
+    let page = identify_page(&sparse(), "t");
+    for text in ["MPC", "href=\"#shape-", "class=\"player\"", "class=\"mac\"", "95 % interval of a measured"]
+    {
+        assert!(!page.contains(text), "{text}");
+    }
 }

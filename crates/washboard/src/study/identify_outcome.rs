@@ -233,6 +233,18 @@ pub struct IdentifiedRoad {
     pub band_rad_per_m: [f64; 2],
 }
 
+impl IdentifiedRoad {
+    /// The roughness and its standard deviation as ISO 8608 writes them: one-sided, per rad/m, at 1 rad/m.
+    #[must_use]
+    pub fn one_sided(&self) -> (f64, f64) {
+        use crate::units::Convention;
+        // a factor between conventions does not depend on the speed
+        let convert =
+            |s: f64| Convention::OneSidedRadPerM.density(self.convention.two_sided_time(s, 1.0), 1.0);
+        (convert(self.roughness_m3), convert(self.roughness_sd_m3))
+    }
+}
+
 /// Bogsjö's μ.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct IdentifiedCoherence {

@@ -2,6 +2,10 @@
 //!
 //! A command line, a Python module and a web page all fill in a [`Spec`] and show an outcome; none of them computes.
 
+mod checked_result;
+mod compare;
+mod compare_modes;
+mod compare_outcome;
 mod damping;
 mod demo;
 mod drives;
@@ -24,6 +28,8 @@ mod simulate;
 mod spec;
 mod spectra_plot;
 
+pub use compare::{compare, compare_outcomes};
+pub use compare_outcome::*;
 pub use damping::{DampingOnRoad, DampingOutcome, EquivalentDamper, damping};
 pub use demo::demo;
 pub use envelope::{Envelope, Input, SCHEMA_VERSION, is_result_of, read_result};
@@ -37,5 +43,5 @@ pub use ride::{Infinite, RideOutcome, RideSpectra, Rms, ride};
 pub use sensors::{SensorRow, SensorsFile};
 pub use simulate::{DriveTruth, SimulateOutcome, SimulateRun, SimulatedChannel, TrueNoise, simulate};
 pub use spec::{
-    DampingSpec, DemoSpec, IdentifyMethod, IdentifySpec, ModesSpec, RideSpec, SimulateSpec, Spec,
+    CompareSpec, DampingSpec, DemoSpec, IdentifyMethod, IdentifySpec, ModesSpec, RideSpec, SimulateSpec, Spec,
 };

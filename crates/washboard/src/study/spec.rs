@@ -21,6 +21,8 @@ pub enum Spec {
     Demo(DemoSpec),
     /// See [`damping`](super::damping).
     Damping(DampingSpec),
+    /// See [`compare`](super::compare).
+    Compare(CompareSpec),
 }
 
 /// The modes of a vehicle.
@@ -134,6 +136,16 @@ impl IdentifySpec {
             _ => Ok(()),
         }
     }
+}
+
+/// Two results side by side.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct CompareSpec {
+    /// The earlier result of `identify` or `demo`: its directory, or its `result.json`.
+    pub before: PathBuf,
+    /// The later one.
+    pub after: PathBuf,
 }
 
 /// The methods of identification.

@@ -26,7 +26,7 @@ pub enum Symmetry {
     /// One value an axle, the c.g. on the middle line.
     #[default]
     Symmetric,
-    /// Unsprung mass, suspension stiffness and damping and tire stiffness of each corner; the c.g. anywhere.
+    /// Unsprung mass, suspension and tire stiffness and damping of each corner; the c.g. anywhere.
     Asymmetric,
 }
 
@@ -55,12 +55,12 @@ impl ParametricVehicle {
     ///
     /// | wheels | file | free, symmetric | free, asymmetric |
     /// |---|---|---|---|
-    /// | two pairs | `full-car` | 15 | 24 |
+    /// | two pairs | `full-car` | 15 | 26 |
     /// | two in line | `half-car` | 12 | 12 |
     /// | one | `quarter-car` | 5 | 5 |
-    /// | n axles, one or two wheels each | `matrices`: rigid body, one mass a wheel | 3 + 6 a pair | 4 + 10 a pair |
+    /// | n axles, one or two wheels each | `matrices`: rigid body, one mass a wheel | 3 + 6 a pair | 4 + 11 a pair |
     ///
-    /// (With the road's roughness a car has the 16 and 25 of the estimators.) Wheels within 0.1 m in x are an axle. A
+    /// Wheels within 0.1 m in x are an axle. A
     /// sprung mass m = 1000 kg, held, sets the scale; c.g. in the middle; with n wheels m_u = .18 m/n,
     /// k = (m/n)(2π body)², k_t = m_u(2π hop)² − k, c = 2ζ√(k m/n), J_x = m(.45 W)², J_y = m(L/2)².
     ///

@@ -237,7 +237,7 @@ impl ParametricVehicle {
     }
 
     /// The asymmetric family that starts at given values of this one: unsprung mass, suspension stiffness and damping
-    /// and tire stiffness of each corner on its own, and the c.g. off the middle. What is held stays held.
+    /// and tire stiffness and damping of each corner on its own, and the c.g. off the middle. What is held stays held.
     ///
     /// A vehicle of one track has no other side: its family comes back with these values as start.
     ///
