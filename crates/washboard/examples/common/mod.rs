@@ -233,3 +233,66 @@ impl Errors {
 pub fn rms(v: &[f64]) -> f64 {
     (v.iter().map(|x| x * x).sum::<f64>() / v.len() as f64).sqrt()
 }
+
+/// A car of [`cars`] with an engine on mounts: `mass_kg` of the body becomes a mass of its own at `at_m` (from the c.g.),
+/// at `freq_hz` on mounts damped by 5 %.
+pub fn with_engine(spec: &VehicleSpec, mass_kg: f64, freq_hz: f64, at_m: [f64; 2]) -> VehicleSpec {
+    let mut lighter = spec.clone();
+    lighter.full_car.as_mut().unwrap().sprung_mass_kg -= mass_kg;
+    let car = lighter.build_alone().unwrap();
+    let n = car.system().order();
+    let row = |base: &str| car.output(base).unwrap().q[0].clone();
+    // z(x, y) = z_G − xθ + yφ
+    let (heave, pitch, roll) =
+        (row("heave_displacement"), row("pitch_displacement"), row("roll_displacement"));
+    let mut stretch: Vec<f64> = (0..n).map(|j| heave[j] - at_m[0] * pitch[j] + at_m[1] * roll[j]).collect();
+    stretch.push(-1.0);
+    let omega = std::f64::consts::TAU * freq_hz;
+    let (k, c) = (mass_kg * omega * omega, 2.0 * 0.05 * mass_kg * omega);
+    let wide = |a: &washboard::linalg::Mat, more: f64| -> Vec<Vec<f64>> {
+        (0..=n)
+            .map(|i| {
+                (0..=n)
+                    .map(|j| {
+                        let old = if i < n && j < n { a[(i, j)] } else { 0.0 };
+                        old + more * stretch[i] * stretch[j]
+                    })
+                    .collect()
+            })
+            .collect()
+    };
+    let mut m = wide(car.system().m(), 0.0);
+    m[n][n] = mass_kg;
+    let rows = |a: &washboard::linalg::Mat| -> Vec<Vec<f64>> {
+        (0..=n).map(|i| (0..a.ncols()).map(|j| if i < n { a[(i, j)] } else { 0.0 }).collect()).collect()
+    };
+    let corners = car.wheels().iter().map(|w| w.name.clone()).collect::<Vec<_>>();
+    let output = |base: &str, corner: &str| {
+        let name = format!("{base}_displacement_{corner}");
+        let mut q = row(&name);
+        q.push(0.0);
+        washboard::vehicle::OutputRow {
+            name,
+            displacement: Some(q),
+            velocity: None,
+            acceleration: None,
+            road: None,
+        }
+    };
+    let matrices = washboard::vehicle::Matrices {
+        m,
+        c: wide(car.system().c(), c),
+        k: wide(car.system().k(), k),
+        wheel_stiffness: rows(car.wheel_stiffness()),
+        wheel_damping: rows(car.wheel_damping()),
+        dofs: Vec::new(),
+        wheel: car
+            .wheels()
+            .iter()
+            .map(|w| washboard::vehicle::WheelRow { name: w.name.clone(), at_m: w.at_m })
+            .collect(),
+        output: ["body", "unsprung"].iter().flat_map(|b| corners.iter().map(|c| output(b, c))).collect(),
+        actuator: Vec::new(),
+    };
+    VehicleSpec::from(matrices)
+}

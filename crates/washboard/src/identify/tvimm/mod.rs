@@ -4,13 +4,14 @@ mod extra;
 mod model;
 mod modes;
 mod orbit;
+mod order;
 mod outcome;
 mod score;
 mod search;
 
 pub use outcome::{FreeOrder, FreeOutcome, FreeTrial};
 
-use super::likelihood::{BandData, CHI_LIMIT, Drive, FitError, RoadValues, mean, residuals};
+use super::likelihood::{BandData, Drive, FitError, RoadValues, mean, residuals};
 use crate::lti::FirstOrder;
 use crate::signal::CrossSpectra;
 use crate::units::Convention;
@@ -21,10 +22,6 @@ use search::Found;
 const ANNEALING_FAR: [f64; 3] = [300.0, 15.0, 1.0];
 /// The same from a start that is an answer already.
 const ANNEALING_NONE: [f64; 1] = [1.0];
-/// The same with a mode more.
-const ANNEALING_EXTRA: [f64; 2] = [10.0, 1.0];
-/// Modes that are added to the starts' at most.
-const MOST_EXTRA: usize = 3;
 
 /// What was measured.
 #[derive(Clone, Copy)]
@@ -72,8 +69,8 @@ pub struct FreeStart {
 /// sensors).
 ///
 /// Steps are Levenberg–Marquardt's on the Fisher information in the complement of the similarity orbit (order·(channels +
-/// wheels) free parameters). All starts are searched; where the best does not explain the data, modes are added, one by
-/// one, where the residual asks for them most, as long as Bayes' criterion falls.
+/// wheels) free parameters). All starts are searched; then modes are added, one by one, where the residual asks for them
+/// most, as long as it asks and Bayes' criterion falls; a mode that became two real poles is taken out again.
 ///
 /// # Errors
 /// [`FitError`] for what cannot be started. A fit that did not succeed is an outcome with `problems`.
@@ -100,34 +97,18 @@ pub fn fit_free_modes(
         .iter()
         .filter_map(|start| {
             let annealing: &[f64] = if start.far { &ANNEALING_FAR } else { &ANNEALING_NONE };
-            let found = search::search(&model, &point(&model, start), annealing)?;
+            let found = search::search(&model, &point(&model, start), annealing, true)?;
             Some((trial(&model, start.name.clone(), &found), found))
         })
         .collect();
     trials.sort_by(|a, b| a.0.cost.total_cmp(&b.0.cost));
     let tried: Vec<FreeTrial> = trials.iter().map(|(t, _)| t.clone()).collect();
-    let Some((_, mut best)) = trials.into_iter().next() else {
+    let Some((_, best)) = trials.into_iter().next() else {
         return Err(FitError::Start("no start has a likelihood: are the wheels' places right?".into()));
     };
-    let mut orders = vec![order(&model, &best)];
-    for _ in 0..MOST_EXTRA {
-        if orders.last().is_some_and(|o| o.chi <= CHI_LIMIT && best.converged) {
-            break;
-        }
-        let Some(candidate) = extra::candidate(&model, &best, drive.band_hz) else { break };
-        let start = Point { system: candidate.system, ..best.at.clone() };
-        let Some(found) = search::search(&model, &start, &ANNEALING_EXTRA) else { break };
-        let next = order(&model, &found);
-        let better = orders.last().is_some_and(|o| next.bic < o.bic);
-        orders.push(next);
-        if !better {
-            break;
-        }
-        best = found;
-    }
-    let chosen = best.at.system.order() / 2;
-    orders.iter_mut().for_each(|o| o.chosen = o.modes == chosen);
-    outcome::outcome(&model, drive, &best, tried, orders).map_err(FitError::Start)
+    let bases: Vec<Point> = starts.iter().map(|s| point(&model, s)).collect();
+    let chosen = order::choose(&model, best, &bases, drive.band_hz);
+    outcome::outcome(&model, drive, &chosen, tried).map_err(FitError::Start)
 }
 
 fn point(model: &FreeModel, start: &FreeStart) -> Point {
@@ -156,20 +137,5 @@ fn trial(model: &FreeModel, name: String, found: &Found) -> FreeTrial {
         converged: found.converged,
         steps: found.steps,
         evaluations: found.evaluations,
-    }
-}
-
-fn order(model: &FreeModel, found: &Found) -> FreeOrder {
-    let parameters = found.score.gradient.len();
-    // as many independent numbers as the band holds in all channels
-    let numbers = model.data.averages * (model.data.omega.len() * model.derivatives.len()) as f64;
-    FreeOrder {
-        modes: found.at.system.order() / 2,
-        parameters,
-        cost: found.score.cost,
-        bic: 2.0 * found.score.cost + parameters as f64 * numbers.ln(),
-        chi: chi(model, found),
-        converged: found.converged,
-        chosen: false,
     }
 }

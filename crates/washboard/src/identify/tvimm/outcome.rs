@@ -3,6 +3,7 @@
 use super::FreeDrive;
 use super::model::FreeModel;
 use super::modes;
+use super::order::Chosen;
 use super::score::{self, PLANE_SD};
 use super::search::{Found, Stage, in_seconds};
 use crate::identify::likelihood::{
@@ -105,18 +106,18 @@ pub struct FreeOutcome {
 pub(super) fn outcome(
     model: &FreeModel,
     drive: &FreeDrive<'_>,
-    found: &Found,
+    chosen: &Chosen,
     trials: Vec<FreeTrial>,
-    orders: Vec<FreeOrder>,
 ) -> Result<FreeOutcome, String> {
     const INDEFINITE: &str = "the model's spectrum is not positive definite";
+    let Chosen { found, orders, .. } = chosen;
     let (free, n) = (found.frame.basis.ncols(), drive.derivatives.len());
     let covariance = covariance(model, drive, found);
     let modes = modes::modes(&found.at.system, &found.frame.basis, &covariance).map_err(|e| e.to_string())?;
     let s = &found.frame.evaluation.s;
     let residual = residuals(s, &model.data.measured, model.data.averages).ok_or(INDEFINITE)?;
     let static_spread = static_spread(model, found).ok_or("the response has a pole at zero")?;
-    let (problems, remarks) = speak(model, found, &modes, &residual, static_spread, &trials, &orders);
+    let (problems, remarks) = speak(model, chosen, &modes, &residual, static_spread, &trials);
     let log = |i: usize, v: f64| Estimate { value: v, sd: v * covariance.sd(free + i) };
     let (road, scale) = (found.at.road, &model.data.scale);
     Ok(FreeOutcome {
@@ -147,7 +148,7 @@ pub(super) fn outcome(
         decrement: found.decrement,
         work: [found.steps, found.evaluations],
         trials,
-        orders,
+        orders: orders.clone(),
         widened: covariance.factors,
         static_spread,
     })
@@ -207,13 +208,13 @@ fn static_spread(model: &FreeModel, found: &Found) -> Option<f64> {
 /// Everything that speaks against the result, and what a reader must know of a success.
 fn speak(
     model: &FreeModel,
-    found: &Found,
+    chosen: &Chosen,
     modes: &[(Mode, f64, f64)],
     residual: &[f64],
     static_spread: f64,
     trials: &[FreeTrial],
-    orders: &[FreeOrder],
 ) -> (Vec<Reason>, Vec<Reason>) {
+    let Chosen { found, orders, confirmed } = chosen;
     let (mut problems, mut remarks) = (Vec::new(), Vec::new());
     if !found.converged {
         let text = format!(
@@ -223,11 +224,15 @@ fn speak(
         problems.push(("not-converged", text));
     }
     problems.extend(misfit(residual, &model.data.omega));
-    if let Some((best, rest)) = trials.split_first() {
+    if *confirmed == Some(false) {
+        let text =
+            "only one of the searches with a mode more ended at this answer: no other start confirms it";
+        problems.push(("starts-disagree", text.to_owned()));
+    }
+    if let (None, Some((best, rest))) = (confirmed, trials.split_first()) {
         let others: Vec<&FreeTrial> = rest.iter().filter(|t| t.converged).collect();
-        let apart = others.iter().find(|t| t.cost - best.cost > SAME_COST);
         let agree = others.iter().any(|t| t.cost - best.cost <= SAME_COST);
-        if let (Some(other), false) = (apart, agree) {
+        if let (Some(other), false) = (others.first(), agree) {
             let text = format!(
                 "two starts ({}, {}) converged to different answers: their costs differ by {:.1}, and no other start confirms the better one",
                 best.name,

@@ -3,7 +3,9 @@
 use super::model::{Evaluation, FreeModel, Point, RATE};
 use super::orbit::{Entries, complement};
 use super::score;
-use crate::identify::likelihood::{End, LEAST_NOISE, Problem, RoadValues, Score, Stop, descend};
+use crate::identify::likelihood::{
+    End, LEAST_NOISE, Problem, RoadValues, Score, Stop, descend, mean, residuals,
+};
 use crate::linalg::{C64, CMat, Mat};
 use crate::lti::FirstOrder;
 
@@ -27,8 +29,11 @@ const DECREMENT: f64 = 0.05;
 /// The same while noise is raised.
 const ROUGH_GAIN: f64 = 0.5;
 const ROUGH_DECREMENT: f64 = 3.0;
-/// Steps while noise is raised, and at the real noise.
-const MAX_STEPS: [usize; 2] = [40, 150];
+/// Steps while noise is raised, and at the real noise; and as many more there where the model explains the data by then.
+const MAX_STEPS: [usize; 2] = [40, 60];
+const MORE_STEPS: usize = 120;
+/// A residual statistic below this may yet become that of a right answer.
+const PROMISING: f64 = 0.8;
 
 /// One level of raised noise.
 pub(super) struct Stage<'m> {
@@ -58,8 +63,9 @@ pub(super) struct Found {
     pub evaluations: usize,
 }
 
-/// Minimises from a start while noise is raised by `annealing`'s factors, one after another (the last is 1).
-pub(super) fn search(model: &FreeModel, start: &Point, annealing: &[f64]) -> Option<Found> {
+/// Minimises from a start while noise is raised by `annealing`'s factors, one after another (the last is 1). `patient`: with
+/// more steps where the model explains the data but the search has not converged.
+pub(super) fn search(model: &FreeModel, start: &Point, annealing: &[f64], patient: bool) -> Option<Found> {
     let mut at = start.clone();
     let (mut steps, mut evaluations, mut last) = (0, 0, None);
     for (index, kappa) in annealing.iter().enumerate() {
@@ -76,9 +82,14 @@ pub(super) fn search(model: &FreeModel, start: &Point, annealing: &[f64]) -> Opt
         } else {
             Stop { max_steps: MAX_STEPS[1], gain: GAIN, decrement: DECREMENT }
         };
-        let end: End<Stage<'_>> = descend(&stage, at.clone(), stop)?;
+        let mut end: End<Stage<'_>> = descend(&stage, at.clone(), stop)?;
         steps += end.steps;
         evaluations += end.evaluations;
+        if !rough && patient && !end.converged && promising(model, &end) {
+            end = descend(&stage, end.at, Stop { max_steps: MORE_STEPS, ..stop })?;
+            steps += end.steps;
+            evaluations += end.evaluations;
+        }
         at = end.at.clone();
         last = Some(Found {
             at: end.at,
@@ -91,6 +102,19 @@ pub(super) fn search(model: &FreeModel, start: &Point, annealing: &[f64]) -> Opt
         });
     }
     last
+}
+
+fn promising(model: &FreeModel, end: &End<Stage<'_>>) -> bool {
+    residuals(&end.frame.evaluation.s, &model.data.measured, model.data.averages)
+        .is_some_and(|r| mean(&r) < PROMISING)
+}
+
+/// What a point looks like, without a step.
+pub(super) fn look(model: &FreeModel, at: &Point) -> Option<Found> {
+    let stage = Stage { model, measured: raised(model, 0.0), limits: limits(model, &at.road, false) };
+    let (score, frame) = stage.look(at)?;
+    let (decrement, converged) = (f64::INFINITY, false);
+    Some(Found { at: at.clone(), score, frame, decrement, converged, steps: 0, evaluations: 1 })
 }
 
 fn raised(model: &FreeModel, share: f64) -> Vec<CMat> {
