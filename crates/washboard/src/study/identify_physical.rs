@@ -306,6 +306,7 @@ fn fill(outcome: &mut IdentifyOutcome, fitted: &Fitted<'_>, from_file: bool, kno
     outcome.flags.extend(found.problems.iter().chain(&found.remarks).map(parts::flag));
     outcome.notes.extend(notes(fitted, from_file, known));
     outcome.modes = modes(found, &fitted.vehicle, true);
+    parts::criteria(outcome);
     let first = &fitted.drives[0];
     let (road, coherence) = parts::road(&first.task, first.speed_m_s, &RoadEstimate::of(drive));
     (outcome.road, outcome.coherence) = (Some(road), coherence);

@@ -189,6 +189,7 @@ fn fill(outcome: &mut IdentifyOutcome, found: &FreeOutcome, fitted: &Fitted<'_>,
     outcome.converged = found.problems.is_empty();
     outcome.flags.extend(found.problems.iter().chain(&found.remarks).map(parts::flag));
     report_modes(outcome, found, fitted, hubs_only);
+    parts::criteria(outcome);
     let (road, coherence) = parts::road(&drive.task, drive.speed_m_s, &RoadEstimate::of_free(found));
     (outcome.road, outcome.coherence) = (Some(road), coherence);
     outcome.delay_s = found.delay_s.map(|d| d.value);

@@ -1,7 +1,9 @@
 //! Parts of an outcome that all likelihood fits share: road, coherence, noise, flags.
 
 use super::identify::Task;
+use super::identify_outcome::IdentifyOutcome;
 use super::identify_outcome::{ChannelNoise, Flag, IdentifiedCoherence, IdentifiedRoad};
+use crate::identify::operational::{mean_phase_deg, modal_assurance, phase_collinearity};
 use crate::identify::{DriveOutcome, Estimate, FitReason, FreeOutcome};
 use crate::road::IsoClass;
 use crate::units::{Convention, per_hz_from_two_sided, rad_per_s};
@@ -73,4 +75,18 @@ pub(super) fn noise(task: &Task<'_>, floors: &[Estimate]) -> Vec<ChannelNoise> {
 /// A reason as a flag.
 pub(super) fn flag((name, text): &FitReason) -> Flag {
     Flag { name: (*name).to_owned(), text: text.clone() }
+}
+
+/// MAC between all modes, and collinearity and mean phase of each, from the points where the vehicle is drawn.
+pub(super) fn criteria(outcome: &mut IdentifyOutcome) {
+    let shapes: Vec<Vec<[f64; 2]>> =
+        outcome.modes.iter().map(|m| m.points.iter().map(|p| [p.re, p.im]).collect()).collect();
+    if shapes.iter().any(|s| s.len() < 2) {
+        return;
+    }
+    for (mode, shape) in outcome.modes.iter_mut().zip(&shapes) {
+        mode.mpc = Some(phase_collinearity(shape));
+        mode.mean_phase_deg = Some(mean_phase_deg(shape));
+    }
+    outcome.mac = shapes.iter().map(|a| shapes.iter().map(|b| modal_assurance(a, b)).collect()).collect();
 }
