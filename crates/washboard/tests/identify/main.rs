@@ -7,3 +7,4 @@ mod common;
 
 mod other_drives;
 mod physical;
+mod speeds;
