@@ -72,14 +72,9 @@ fn spectra(recording: &Recording, len: usize) -> Result<CrossSpectra, StudyError
 
 /// Spectra of equal pieces of the recording, one segment long at least: what the intervals are checked by.
 fn blocks(recording: &Recording, len: usize) -> Result<Vec<CrossSpectra>, StudyError> {
-    let (total, rate) = (recording.len(), recording.rate_hz());
+    let total = recording.len();
     let count = BLOCKS.min(total / len);
-    (0..count)
-        .map(|b| {
-            let edge = |i: usize| (i * total / count) as f64 / rate;
-            spectra(&recording.between(edge(b), edge(b + 1))?, len)
-        })
-        .collect()
+    (0..count).map(|b| spectra(&recording.part(b * total / count..(b + 1) * total / count)?, len)).collect()
 }
 
 /// Welch's spectra over all segments that lie within a piece.

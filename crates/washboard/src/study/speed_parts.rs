@@ -157,7 +157,7 @@ fn cut(recording: &Recording, name: &str, spec: &IdentifySpec) -> Result<Cut, St
             recording.channels().len()
         )));
     }
-    made.sort_by(|a: &Part, b: &Part| b.recording.len().cmp(&a.recording.len()));
+    made.sort_by_key(|part: &Part| std::cmp::Reverse(part.recording.len()));
     let beyond = made.len().saturating_sub(MOST_PARTS);
     made.truncate(MOST_PARTS);
     let told = told(&made, beyond, recording, shortest_s, in_one);
@@ -215,7 +215,7 @@ fn part(
 /// The length of the piece at which those as long or longer hold a share of all.
 fn holding(pieces: &[Range<usize>], share: f64) -> usize {
     let mut lengths: Vec<usize> = pieces.iter().map(Range::len).collect();
-    lengths.sort_unstable_by(|a, b| b.cmp(a));
+    lengths.sort_unstable_by_key(|length| std::cmp::Reverse(*length));
     let total: usize = lengths.iter().sum();
     let mut sum = 0;
     for length in lengths {
