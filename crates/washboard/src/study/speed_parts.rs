@@ -135,10 +135,10 @@ fn cut(recording: &Recording, name: &str, spec: &IdentifySpec) -> Result<Cut, St
             found.longest_s
         )));
     }
-    if let [class] = found.classes.as_slice() {
-        if class.pieces.as_slice() == std::slice::from_ref(&(0..recording.len())) {
-            return Ok(Cut::Noise);
-        }
+    if let [class] = found.classes.as_slice()
+        && class.pieces.as_slice() == std::slice::from_ref(&(0..recording.len()))
+    {
+        return Ok(Cut::Noise);
     }
     let mut made = Vec::new();
     let mut most: f64 = 0.0;
