@@ -1,5 +1,7 @@
 //! Readers of arguments that clap does not know.
 
+use washboard::study::Stretch;
+
 /// `A,B`.
 pub fn pair(text: &str) -> Result<[f64; 2], String> {
     let wrong = || format!("expected two numbers such as 0.5,25, found {text:?}");
@@ -24,4 +26,12 @@ pub fn assignment(text: &str) -> Result<(String, f64), String> {
     } else {
         Err(wrong())
     }
+}
+
+/// `V:T`, a stretch at V m/s for T s.
+pub fn stretch(text: &str) -> Result<Stretch, String> {
+    let wrong = || format!("expected a speed in m/s and a time in s such as 10:300, found {text:?}");
+    let (speed, duration) = text.split_once(':').ok_or_else(wrong)?;
+    let number = |s: &str| s.trim().parse::<f64>().map_err(|_| wrong());
+    Ok(Stretch { speed_m_s: number(speed)?, duration_s: number(duration)? })
 }

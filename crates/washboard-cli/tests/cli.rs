@@ -149,6 +149,58 @@ fn simulate_writes_three_files_and_the_same_ones_again() {
     assert!(first[0] != read("RUN.csv"));
 }
 
+/// Two speeds: cut with `--method ssi` too (60 s a part), told; three speeds in too short stretches are not.
+#[test]
+fn a_drive_of_several_speeds_is_cut_and_told() {
+    let folder = Folder::new("speeds");
+    let simulate = |speeds: &str| {
+        format!(
+            "simulate case:turkay-half-car --road case:iso8608-c --speeds {speeds} --rate-hz 100 --noise 0.02 -o RUN.csv"
+        )
+    };
+    let table = folder.ok(&simulate("10:90,25:70"));
+    assert!(
+        table.contains("16000 samples at 100 Hz (160 s) at 10 m/s for 90 s, then at 25 m/s for 70 s"),
+        "{table}"
+    );
+    assert_eq!(folder.json(&simulate("10:90,25:70"))["stretches"][1]["speed_m_s"], 25.0);
+    let found = |line: &str| -> Value { serde_json::from_str(&folder.run(line).stdout).unwrap() };
+    let names = |of: &Value| -> Vec<String> {
+        of.as_array().unwrap().iter().map(|f| f["name"].as_str().unwrap().to_owned()).collect()
+    };
+    let text = |of: &Value, name: &str| -> String {
+        let flag = of.as_array().unwrap().iter().find(|f| f["name"] == name).unwrap();
+        flag["text"].as_str().unwrap().to_owned()
+    };
+    let cut = found("identify RUN.toml --method ssi --json");
+    assert_eq!(names(&cut["runs"]), ["RUN.toml at 10.0 m/s", "RUN.toml at 25.0 m/s"]);
+    assert_eq!(cut["recording"]["name"], "RUN.toml at 10.0 m/s");
+    assert!(!names(&cut["flags"]).contains(&"speed-varies".to_owned()));
+    let note = text(&cut["notes"], "cut-by-speed");
+    for part in
+        ["cut into parts of steady speed", "10.0 m/s for 8", "25.0 m/s for 6", "left out are", "s of 160.0 s"]
+    {
+        assert!(note.contains(part), "{note}");
+    }
+    folder.ok(&simulate("10:40,20:40,30:40"));
+    let whole = found("identify RUN.toml --method ssi --json");
+    assert_eq!(whole["recording"]["name"], "RUN.toml");
+    let flag = text(&whole["flags"], "speed-varies");
+    for part in ["varies by", "cannot be cut into parts of steady speed", "lasts 3", "60.0 s are needed"] {
+        assert!(flag.contains(part), "{flag}");
+    }
+    folder.wrong(&simulate("10:5"), &["speeds: expected stretches of at least 8 s, found 5 s"]);
+    folder.wrong(&simulate("10:50,10.5:50"), &["differ by a tenth", "10 m/s, then 10.5 m/s"]);
+    for line in [simulate("10"), simulate("10:x"), simulate("10:50 --speed-m-s 5")] {
+        let ran = folder.run(&line);
+        assert_eq!((ran.status, ran.stdout.as_str()), (2, ""), "{line}");
+        assert!(ran.stderr.contains("--speeds"), "{}", ran.stderr);
+    }
+    let ran = folder.run("simulate case:turkay-half-car --road case:iso8608-c --rate-hz 100 -o X.csv");
+    assert_eq!((ran.status, ran.stdout.as_str()), (2, ""));
+    assert!(ran.stderr.contains("--speed-m-s") && ran.stderr.contains("--duration-s"), "{}", ran.stderr);
+}
+
 #[test]
 fn report_writes_the_page_again_from_the_result() {
     let folder = Folder::new("report");

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use washboard::cases;
 use washboard::files::write_files;
 use washboard::signal::{Direction, Quantity, read_recording};
-use washboard::study::{DriveTruth, SimulateSpec, read_result, simulate};
+use washboard::study::{DriveTruth, SimulateSpec, Stretch, read_result, simulate};
 use washboard::vehicle::{DriveSettings, drive};
 
 /// Nine digits are written.
@@ -27,8 +27,9 @@ impl Folder {
         SimulateSpec {
             vehicle: "case:guiggiani-full-car".to_owned(),
             road: "case:iso8608-c".to_owned(),
-            speed_m_s: 20.0,
-            duration_s: 10.0,
+            speed_m_s: Some(20.0),
+            duration_s: Some(10.0),
+            speeds: vec![],
             rate_hz: 200.0,
             noise: 0.02,
             sensors: None,
@@ -145,4 +146,37 @@ fn an_output_that_is_no_csv_is_refused() {
     assert!(refused(folder.0.join("RUN.toml")).contains("ends in .csv"));
     assert!(refused(folder.0.join("none/RUN.csv")).contains("a directory that exists"));
     assert_eq!(fs::read_dir(&folder.0).unwrap().count(), 0);
+}
+
+/// Stretches of several speeds: the speed is a column that is read back, the truth has each part.
+#[test]
+fn a_drive_of_two_speeds_is_read_back_with_its_speed() {
+    let folder = Folder::new("speeds");
+    let stretch = |speed_m_s, duration_s| Stretch { speed_m_s, duration_s };
+    let of_speeds = |speeds: Vec<Stretch>| SimulateSpec {
+        speed_m_s: None,
+        duration_s: None,
+        speeds,
+        rate_hz: 100.0,
+        ..folder.spec()
+    };
+    let run = simulate(&of_speeds(vec![stretch(10.0, 20.0), stretch(25.0, 30.0)])).unwrap();
+    write_files(&run.files).unwrap();
+    let read = read_recording(&folder.0.join("RUN.toml")).unwrap();
+    assert_eq!((read.channels().len(), read.len()), (8, 5000));
+    assert!((read.speed_m_s().unwrap() - 19.0).abs() < 1e-6, "{:?}", read.speed_m_s());
+    let speed = read.speed_series().unwrap();
+    assert_eq!((speed[0], speed[1799], speed[2200], speed[4999]), (10.0, 10.0, 25.0, 25.0));
+    let truth = read_result::<DriveTruth>(&folder.0.join("RUN.truth.json")).unwrap().outcome;
+    assert_eq!((truth.delay_s, truth.stretches.len()), (None, 2));
+    assert!((truth.stretches[1].delay_s.unwrap() - 2.66 / 25.0).abs() < 1e-15);
+    assert!((truth.speed_m_s - 19.0).abs() < 1e-12);
+    assert_eq!(run.outcome.stretches, truth.stretches);
+    let refused = |spec: &SimulateSpec| simulate(spec).unwrap_err().to_string();
+    let both = SimulateSpec { speed_m_s: Some(5.0), ..of_speeds(vec![stretch(10.0, 20.0)]) };
+    assert!(refused(&both).contains("found speed_m_s, speeds"), "{}", refused(&both));
+    assert!(refused(&of_speeds(vec![])).contains("none of them"));
+    assert!(
+        refused(&of_speeds(vec![stretch(10.0, 2.0)])).contains("speeds: expected stretches of at least 8 s")
+    );
 }

@@ -1,12 +1,13 @@
 //! `washboard simulate`: a drive as a test engineer would record it.
 
+use crate::args::stretch;
 use crate::output::{Failure, Output};
 use crate::table::{Table, number};
 use clap::Args;
 use std::path::PathBuf;
 use std::process::ExitCode;
 use washboard::files::write_files;
-use washboard::study::{Envelope, SimulateOutcome, SimulateSpec, simulate};
+use washboard::study::{Envelope, SimulateOutcome, SimulateSpec, Stretch, simulate};
 
 /// Record a drive of a model: RUN.csv, its description RUN.toml, and RUN.truth.json.
 ///
@@ -19,11 +20,15 @@ pub struct Arguments {
     #[arg(long)]
     road: String,
     /// Forward speed in m/s.
-    #[arg(long, value_name = "V", allow_negative_numbers = true)]
-    speed_m_s: f64,
+    #[arg(long, value_name = "V", allow_negative_numbers = true, required_unless_present = "speeds")]
+    speed_m_s: Option<f64>,
     /// Length of the recording in s.
-    #[arg(long, value_name = "T", allow_negative_numbers = true)]
-    duration_s: f64,
+    #[arg(long, value_name = "T", allow_negative_numbers = true, required_unless_present = "speeds")]
+    duration_s: Option<f64>,
+    /// Instead of both: stretches in m/s : s, one after another with jumps between, such as 10:300,20:600.
+    #[arg(long, value_name = "V:T,…", value_delimiter = ',', value_parser = stretch,
+        allow_hyphen_values = true, conflicts_with_all = ["speed_m_s", "duration_s"])]
+    speeds: Vec<Stretch>,
     /// Samples per second.
     #[arg(long, value_name = "F", allow_negative_numbers = true)]
     rate_hz: f64,
@@ -49,6 +54,7 @@ pub fn run(a: Arguments, output: Output) -> Result<ExitCode, Failure> {
         road: a.road,
         speed_m_s: a.speed_m_s,
         duration_s: a.duration_s,
+        speeds: a.speeds,
         rate_hz: a.rate_hz,
         noise: a.noise,
         sensors: a.sensors,
@@ -70,9 +76,16 @@ fn table(o: &SimulateOutcome) -> String {
     }
     let seconds = o.samples as f64 / o.rate_hz;
     let delay = o.delay_s.map_or_else(String::new, |d| format!(", rear axle {} s behind", number(d)));
+    let speed = if o.stretches.is_empty() {
+        format!("{} m/s", o.speed_m_s)
+    } else {
+        let each: Vec<String> =
+            o.stretches.iter().map(|s| format!("{} m/s for {} s", s.speed_m_s, s.duration_s)).collect();
+        each.join(", then at ")
+    };
     let drive = format!(
-        "{} samples at {} Hz ({seconds} s) at {} m/s{delay}, seed {}\n",
-        o.samples, o.rate_hz, o.speed_m_s, o.seed
+        "{} samples at {} Hz ({seconds} s) at {speed}{delay}, seed {}\n",
+        o.samples, o.rate_hz, o.seed
     );
     table.text() + &drive + &format!("wrote {}\n", o.files.join(", "))
 }

@@ -76,6 +76,11 @@ pub enum SignalError {
         /// How many there are.
         found: usize,
     },
+    /// The speed is known as a mean at most.
+    #[error(
+        "speed: expected a speed at each sample (speed_column, or speed_file with time_column), found none"
+    )]
+    NoSpeedSeries,
     /// Time stamps run backwards, or are no time.
     #[error("time stamps: expected {expected}, found {found} at sample {index} (counted from 0)")]
     Stamps {

@@ -12,6 +12,7 @@
 //! # Ok::<(), washboard::signal::SignalError>(())
 //! ```
 
+mod by_speed;
 mod channel;
 mod clock;
 mod condition;
@@ -31,6 +32,7 @@ mod time_base;
 mod unit;
 mod window;
 
+pub use by_speed::{SPEED_SMOOTHING_S, SpeedClass, SpeedCut, SpeedCutSettings, by_speed};
 pub use channel::{Channel, Direction, Place, Quantity, WheelPlace};
 pub use clock::Clock;
 pub use condition::{CLIPPED_RUN, Repair, RepairKind};
@@ -42,7 +44,7 @@ pub use description::{
 };
 pub use error::SignalError;
 pub use npy::{parse_npy, read_npy};
-pub use read::{MAX_VALUES, read_recording};
+pub use read::{MAX_SPEED_GAP_S, MAX_VALUES, read_recording};
 pub use recording::Recording;
 pub(crate) use spectra::averaged;
 pub use spectra::{CrossSpectra, Segment, WelchSettings, welch};

@@ -16,11 +16,15 @@ use std::path::{Path, PathBuf};
 /// The most numbers (rows × wanted columns) that are read from one file: 2²⁷, or 1 GiB of them.
 pub const MAX_VALUES: usize = 1 << 27;
 
+/// A speed file's stamps that are farther apart do not tell the speed between them, in s.
+pub const MAX_SPEED_GAP_S: f64 = 5.0;
+
 /// The recording that a RUN.toml describes.
 ///
 /// In this order: the wanted columns are read; the part `span_s` is cut out; time stamps become a uniform clock and
 /// missing samples are filled or the longest whole piece is used; units become SI; constant channels are left out and
-/// clipped ones told; the speed is averaged over the part used. Whatever is changed on the way is in
+/// clipped ones told; the speed is averaged over the part used, and kept at each sample where it has times of its own
+/// ([`Recording::speed_series`]). Whatever is changed on the way is in
 /// [`Recording::repairs`].
 ///
 /// # Errors
@@ -37,20 +41,28 @@ pub fn read_recording(path: &Path) -> Result<Recording, SignalError> {
     let laid = laid(&description, table, path)?;
     let (mut samples, mut repairs) = (laid.columns, laid.repairs);
     let speeds = match description.speed_column {
-        Some(_) => samples.pop(),
-        None => speed_file(&description, path, laid.start_s, laid.end_s)?,
+        Some(_) => samples.pop().map(|v| Speeds { series: Some(v.clone()), used: v }),
+        None => {
+            speed_file(&description, path, laid.start_s, laid.end_s, samples.first().map_or(0, Vec::len))?
+        }
     };
     for (series, si) in samples.iter_mut().zip(&conversions) {
         series.iter_mut().for_each(|x| *x = si(*x));
     }
     leave_out_dead(&mut channels, &mut samples, &mut repairs)?;
     tell_clipped(&channels, &samples, laid.rate_hz, &mut repairs);
-    let (speed, spread) = speed(&description, speeds, path)?;
-    let recording = Recording::new(laid.rate_hz, speed, description.wheels, channels, samples)?;
-    let recording = match spread {
-        Some(spread) => recording.with_speed_spread(spread)?,
-        None => recording,
+    let unit = description.speed_unit.map_or(1.0, SpeedUnit::in_m_s);
+    let (speed, spread) = match &speeds {
+        Some(speeds) => speed(&speeds.used, unit, path)?,
+        None => (description.speed_m_s, None),
     };
+    let mut recording = Recording::new(laid.rate_hz, speed, description.wheels, channels, samples)?;
+    if let Some(spread) = spread {
+        recording = recording.with_speed_spread(spread)?;
+    }
+    if let Some(series) = speeds.and_then(|s| s.series) {
+        recording = recording.with_speed_series(series.iter().map(|v| v * unit).collect())?;
+    }
     Ok(recording.with_repairs(repairs))
 }
 
@@ -196,13 +208,22 @@ fn tell_clipped(channels: &[Channel], samples: &[Vec<f64>], rate_hz: f64, repair
     }
 }
 
-/// The speeds of another file within a span of the recording's clock.
+/// Speeds as they were measured, in their own unit.
+struct Speeds {
+    /// What mean and spread are taken of.
+    used: Vec<f64>,
+    /// One a sample of the recording, where the speeds have times.
+    series: Option<Vec<f64>>,
+}
+
+/// The speeds of another file within a span of the recording's clock, and at its samples.
 fn speed_file(
     d: &RecordingDescription,
     path: &Path,
     start_s: f64,
     end_s: f64,
-) -> Result<Option<Vec<f64>>, SignalError> {
+    samples: usize,
+) -> Result<Option<Speeds>, SignalError> {
     let Some(file) = &d.speed_file else { return Ok(None) };
     let data = beside(path, &file.data);
     let wanted: Vec<Column> = std::iter::once(&file.column).chain(&file.time_column).cloned().collect();
@@ -219,17 +240,33 @@ fn speed_file(
         let expected = format!("speeds between {start_s} and {end_s} s, where the recording is");
         return Err(SignalError::data(&data, None, "time", expected, "none"));
     }
-    Ok(Some(inside))
+    let step_s = (end_s - start_s) / samples.saturating_sub(1).max(1) as f64;
+    let instants: Vec<f64> = (0..samples).map(|k| start_s + k as f64 * step_s).collect();
+    let series = columns.get(1).map(|times| at_instants(times, &columns[0], &instants));
+    Ok(Some(Speeds { used: inside, series }))
 }
 
-/// Mean and spread in m/s.
-fn speed(
-    d: &RecordingDescription,
-    measured: Option<Vec<f64>>,
-    path: &Path,
-) -> Result<(Option<f64>, Option<f64>), SignalError> {
-    let Some(series) = measured else { return Ok((d.speed_m_s, None)) };
-    let unit = d.speed_unit.map_or(1.0, SpeedUnit::in_m_s);
+/// Straight lines between stamps at most [`MAX_SPEED_GAP_S`] apart, the nearest value up to half of that from a lonely
+/// one, NaN where there is none.
+fn at_instants(stamps_s: &[f64], values: &[f64], instants_s: &[f64]) -> Vec<f64> {
+    let mut order: Vec<usize> = (0..stamps_s.len()).filter(|i| values[*i].is_finite()).collect();
+    order.sort_by(|a, b| stamps_s[*a].total_cmp(&stamps_s[*b]));
+    let known: Vec<(f64, f64)> = order.iter().map(|i| (stamps_s[*i], values[*i])).collect();
+    let held = |(at, v): &(f64, f64), t: f64| ((t - at).abs() <= MAX_SPEED_GAP_S / 2.0).then_some(*v);
+    let at = |t: f64| -> Option<f64> {
+        let after = known.partition_point(|(at, _)| *at <= t);
+        match (after.checked_sub(1).and_then(|i| known.get(i)), known.get(after)) {
+            (Some((a, va)), Some((b, vb))) if b - a <= MAX_SPEED_GAP_S => {
+                Some(va + (vb - va) * (t - a) / (b - a))
+            }
+            (before, next) => before.and_then(|p| held(p, t)).or_else(|| next.and_then(|p| held(p, t))),
+        }
+    };
+    instants_s.iter().map(|t| at(*t).unwrap_or(f64::NAN)).collect()
+}
+
+/// Mean and spread in m/s of a series in a unit.
+fn speed(series: &[f64], unit: f64, path: &Path) -> Result<(Option<f64>, Option<f64>), SignalError> {
     let n = series.len() as f64;
     let mean = series.iter().sum::<f64>() / n;
     let spread = (series.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / n).sqrt();
@@ -238,4 +275,24 @@ fn speed(
         return Err(SignalError::field(path, "speed", "a positive mean speed", found));
     }
     Ok((Some(mean * unit), Some(spread * unit)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_log_of_speeds_is_read_between_its_stamps_and_not_over_its_gaps() {
+        let (stamps, speeds) = ([0.0, 1.0, 2.0, 20.0, 21.0], [10.0, 12.0, 12.0, 4.0, 6.0]);
+        let asked = [-3.0, -2.0, 0.25, 1.5, 2.0, 4.0, 10.0, 18.0, 20.5, 23.0, 24.0];
+        let got = at_instants(&stamps, &speeds, &asked);
+        // lines inside, the nearest for 2.5 s about a gap and the ends, nothing beyond
+        let expected =
+            [None, Some(10.0), Some(10.5), Some(12.0), Some(12.0), Some(12.0), None, Some(4.0), Some(5.0)];
+        let expected = expected.into_iter().chain([Some(6.0), None]);
+        for ((t, v), e) in asked.iter().zip(&got).zip(expected) {
+            assert!(e.map_or(v.is_nan(), |e: f64| (v - e).abs() < 1e-12), "{t} s: {v}, expected {e:?}");
+        }
+        assert!(at_instants(&[], &[], &[1.0])[0].is_nan());
+    }
 }

@@ -11,6 +11,7 @@ use super::{Channel, Repair, SignalError, WheelPlace, decimate};
 /// | direction | always +x, +y or +z: a channel declared `-z` is stored with its sign turned |
 /// | `rate_hz` | samples per second, the same for all channels |
 /// | `speed_m_s` | mean forward speed, where it is known |
+/// | `speed_series()[k]` | forward speed at time k/rate, where it was recorded; NaN where the record has a gap |
 ///
 /// Values that break these rules cannot be built: see [`Recording::new`].
 #[derive(Debug, Clone, PartialEq)]
@@ -18,6 +19,7 @@ pub struct Recording {
     rate_hz: f64,
     speed_m_s: Option<f64>,
     speed_spread_m_s: Option<f64>,
+    speed_series: Option<Vec<f64>>,
     wheels: Vec<WheelPlace>,
     channels: Vec<Channel>,
     samples: Vec<Vec<f64>>,
@@ -50,8 +52,16 @@ impl Recording {
             }
             channel.direction = channel.direction.positive();
         }
-        let repairs = Vec::new();
-        Ok(Recording { rate_hz, speed_m_s, speed_spread_m_s: None, wheels, channels, samples, repairs })
+        Ok(Recording {
+            rate_hz,
+            speed_m_s,
+            speed_spread_m_s: None,
+            speed_series: None,
+            wheels,
+            channels,
+            samples,
+            repairs: Vec::new(),
+        })
     }
 
     /// The same recording with the standard deviation of its speed, in m/s.
@@ -64,6 +74,24 @@ impl Recording {
             return Err(SignalError::Value { name: "speed_spread_m_s", expected, found: spread_m_s });
         }
         self.speed_spread_m_s = Some(spread_m_s);
+        Ok(self)
+    }
+
+    /// The same recording with its speed at each sample, in m/s; NaN where it is not known. Mean and spread stay as they
+    /// are.
+    ///
+    /// # Errors
+    /// A series of another length than the channels'; a speed that is infinite.
+    pub fn with_speed_series(mut self, series_m_s: Vec<f64>) -> Result<Self, SignalError> {
+        if series_m_s.len() != self.len() {
+            let what = "samples of the speed".to_owned();
+            return Err(SignalError::Length { what, expected: self.len(), found: series_m_s.len() });
+        }
+        if let Some(found) = series_m_s.iter().copied().find(|v| v.is_infinite()) {
+            let expected = "finite speeds, or NaN where there is none";
+            return Err(SignalError::Value { name: "speed_series", expected, found });
+        }
+        self.speed_series = Some(series_m_s);
         Ok(self)
     }
 
@@ -90,6 +118,12 @@ impl Recording {
     #[must_use]
     pub fn speed_spread_m_s(&self) -> Option<f64> {
         self.speed_spread_m_s
+    }
+
+    /// The speed at each sample in m/s, where it was recorded; NaN where that record has a gap.
+    #[must_use]
+    pub fn speed_series(&self) -> Option<&[f64]> {
+        self.speed_series.as_deref()
     }
 
     /// The wheels that channels refer to.
@@ -167,7 +201,8 @@ impl Recording {
         Ok(chosen)
     }
 
-    /// The part from `start_s` to `end_s`, both counted from the first sample.
+    /// The part from `start_s` to `end_s`, both counted from the first sample. Where the speed at each sample is known
+    /// and positive on average, mean and spread are the part's; else they stay the whole recording's.
     ///
     /// # Errors
     /// A part that holds no sample.
@@ -177,13 +212,33 @@ impl Recording {
         if first >= end {
             return Err(SignalError::TooShort { what: "a part of a recording", needed: 1, found: 0 });
         }
-        Ok(self.with_samples(self.rate_hz, |x| x[first..end].to_vec()))
+        self.part(first..end)
+    }
+
+    /// The part of these samples: as [`between`](Recording::between), to the sample.
+    ///
+    /// # Errors
+    /// A part that holds no sample or reaches beyond the last one.
+    pub fn part(&self, range: std::ops::Range<usize>) -> Result<Self, SignalError> {
+        if range.is_empty() || range.end > self.len() {
+            let (what, needed) = ("a part of a recording", range.end.max(1));
+            return Err(SignalError::TooShort { what, needed, found: self.len() });
+        }
+        let cut = |x: &[f64]| x[range.clone()].to_vec();
+        let part = self.with_samples(self.rate_hz, cut, cut);
+        let of_part = part.speed_series().and_then(mean_and_spread).filter(|(mean, _)| *mean > 0.0);
+        Ok(match of_part {
+            Some((mean, spread)) => {
+                Recording { speed_m_s: Some(mean), speed_spread_m_s: Some(spread), ..part }
+            }
+            None => part,
+        })
     }
 
     /// The recording without each channel's mean and linear trend (least squares).
     #[must_use]
     pub fn detrended(&self) -> Self {
-        self.with_samples(self.rate_hz, detrend)
+        self.with_samples(self.rate_hz, detrend, <[f64]>::to_vec)
     }
 
     /// Every `factor`-th sample after a linear-phase low-pass whose delay is taken out (zero phase).
@@ -202,14 +257,22 @@ impl Recording {
         if self.len() < taps.len() {
             return Err(SignalError::TooShort { what: "decimation", needed: taps.len(), found: self.len() });
         }
-        Ok(self.with_samples(self.rate_hz / factor as f64, |x| decimate::apply(&taps, factor, x)))
+        // the speed is slow: its value at the instants that are kept
+        let kept = |v: &[f64]| v.windows(taps.len()).step_by(factor).map(|w| w[taps.len() / 2]).collect();
+        Ok(self.with_samples(self.rate_hz / factor as f64, |x| decimate::apply(&taps, factor, x), kept))
     }
 
-    fn with_samples(&self, rate_hz: f64, change: impl Fn(&[f64]) -> Vec<f64>) -> Self {
+    fn with_samples(
+        &self,
+        rate_hz: f64,
+        change: impl Fn(&[f64]) -> Vec<f64>,
+        of_speed: impl Fn(&[f64]) -> Vec<f64>,
+    ) -> Self {
         Recording {
             rate_hz,
             speed_m_s: self.speed_m_s,
             speed_spread_m_s: self.speed_spread_m_s,
+            speed_series: self.speed_series.as_deref().map(of_speed),
             wheels: self.wheels.clone(),
             channels: self.channels.clone(),
             samples: self.samples.iter().map(|x| change(x)).collect(),
@@ -222,12 +285,22 @@ impl Recording {
             rate_hz: self.rate_hz,
             speed_m_s: self.speed_m_s,
             speed_spread_m_s: self.speed_spread_m_s,
+            speed_series: self.speed_series.clone(),
             wheels: self.wheels.clone(),
             channels: indices.iter().map(|&i| self.channels[i].clone()).collect(),
             samples: indices.iter().map(|&i| self.samples[i].clone()).collect(),
             repairs: self.repairs.clone(),
         }
     }
+}
+
+/// Mean and standard deviation of the values that are known.
+pub(super) fn mean_and_spread(series: &[f64]) -> Option<(f64, f64)> {
+    let known = || series.iter().filter(|v| v.is_finite());
+    let n = known().count();
+    let mean = known().sum::<f64>() / n as f64;
+    let spread = (known().map(|v| (v - mean).powi(2)).sum::<f64>() / n as f64).sqrt();
+    (n > 0).then_some((mean, spread))
 }
 
 fn positive(name: &'static str, found: f64) -> Result<(), SignalError> {
@@ -344,6 +417,38 @@ mod tests {
         let part = r.between(0.1, 0.3).unwrap();
         assert_eq!((part.len(), part.samples()[0][0]), (20, 10.0));
         assert!(r.between(2.0, 3.0).is_err());
+    }
+
+    #[test]
+    fn the_speed_stays_with_its_samples() {
+        // channel a counts samples, and the speed is a tenth of it: they can only part together
+        let count: Vec<f64> = (0..2000).map(f64::from).collect();
+        let r = two(vec![count.clone(), vec![0.5; 2000]]).unwrap();
+        assert!(r.clone().with_speed_series(vec![1.0; 1999]).is_err());
+        assert!(r.clone().with_speed_series(vec![f64::INFINITY; 2000]).is_err());
+        let r = r.with_speed_series(count.iter().map(|k| k / 10.0).collect()).unwrap();
+        assert_eq!((r.speed_m_s(), r.speed_spread_m_s()), (Some(20.0), None), "as declared");
+        let together = |r: &Recording| {
+            let speed = r.speed_series().unwrap();
+            assert_eq!(speed.len(), r.len());
+            // a decimating filter passes a straight line as it is
+            assert!(r.samples()[0].iter().zip(speed).all(|(k, v)| (k / 10.0 - v).abs() < 1e-9));
+        };
+        for changed in [
+            r.between(1.0, 2.0).unwrap(),
+            r.part(3..1700).unwrap(),
+            r.decimated(4).unwrap(),
+            r.select(&["a"]).unwrap(),
+            r.select_where(|c| c.name == "a").unwrap(),
+        ] {
+            together(&changed);
+        }
+        assert_eq!(r.detrended().speed_series(), r.speed_series());
+        // samples 100 to 199: 10 to 19.9 m/s
+        let part = r.between(1.0, 2.0).unwrap();
+        assert!((part.speed_m_s().unwrap() - 14.95).abs() < 1e-12);
+        assert!((part.speed_spread_m_s().unwrap() - 0.1 * (9999.0_f64 / 12.0).sqrt()).abs() < 1e-12);
+        assert!(r.part(5..5).is_err() && r.part(5..2001).is_err());
     }
 
     #[test]

@@ -6,6 +6,7 @@ use crate::identify::{FitError, PhysicalDrive, PhysicalOutcome, PhysicalSettings
 use crate::lti::{Parametric, StartedAt};
 use crate::signal::{Channel, CrossSpectra, Recording, Segment, WelchSettings, WheelPlace, welch};
 use crate::vehicle::{ParametricVehicle, VehicleError};
+use std::ops::Range;
 
 /// Pieces of a recording whose spread widens the intervals.
 const BLOCKS: usize = 24;
@@ -42,21 +43,26 @@ impl<'a> Drive<'a> {
     ///
     /// # Errors
     /// A recording without a speed, or too short for its segments.
-    pub fn new(task: &Task<'_>, recording: &'a Recording, name: &'a str) -> Result<Self, StudyError> {
+    pub fn new(task: &Task<'a>, recording: &'a Recording, name: &'a str) -> Result<Self, StudyError> {
         let speed_m_s = recording.speed_m_s().ok_or_else(|| StudyError::Setting {
             field: "speed_m_s",
             expected: "the recording's speed: without it a delay and a road cannot be told".into(),
             found: "none".into(),
         })?;
         let len = task.spectra.segment_len;
+        let blocks = match task.pieces {
+            [_] => blocks(recording, len)?,
+            pieces => blocks_of_pieces(recording, pieces, len)?,
+        };
         let task = Task {
             recording,
+            pieces: task.pieces,
             name,
             band_hz: task.band_hz,
-            spectra: spectra(recording, len)?,
+            spectra: spectra_of_pieces(recording, task.pieces, len)?,
             convention: task.convention,
         };
-        Ok(Drive { blocks: blocks(recording, len)?, task, speed_m_s })
+        Ok(Drive { blocks, task, speed_m_s })
     }
 }
 
@@ -66,13 +72,42 @@ fn spectra(recording: &Recording, len: usize) -> Result<CrossSpectra, StudyError
 
 /// Spectra of equal pieces of the recording, one segment long at least: what the intervals are checked by.
 fn blocks(recording: &Recording, len: usize) -> Result<Vec<CrossSpectra>, StudyError> {
-    let (total, rate) = (recording.len(), recording.rate_hz());
+    let total = recording.len();
     let count = BLOCKS.min(total / len);
-    (0..count)
-        .map(|b| {
-            let edge = |i: usize| (i * total / count) as f64 / rate;
-            spectra(&recording.between(edge(b), edge(b + 1))?, len)
+    (0..count).map(|b| spectra(&recording.part(b * total / count..(b + 1) * total / count)?, len)).collect()
+}
+
+/// Welch's spectra over all segments that lie within a piece.
+pub(super) fn spectra_of_pieces(
+    recording: &Recording,
+    pieces: &[Range<usize>],
+    len: usize,
+) -> Result<CrossSpectra, StudyError> {
+    let of_pieces = pieces
+        .iter()
+        .map(|piece| {
+            if piece.len() == recording.len() {
+                return spectra(recording, len);
+            }
+            spectra(&recording.part(piece.clone())?, len)
         })
+        .collect::<Result<Vec<_>, _>>()?;
+    Ok(CrossSpectra::merged(&of_pieces)?)
+}
+
+/// As [`blocks`], none across a cut: all of one length, a twenty-fourth of the whole or the shortest piece.
+fn blocks_of_pieces(
+    recording: &Recording,
+    pieces: &[Range<usize>],
+    len: usize,
+) -> Result<Vec<CrossSpectra>, StudyError> {
+    let total: usize = pieces.iter().map(Range::len).sum();
+    let shortest = pieces.iter().map(Range::len).min().unwrap_or(total);
+    let block = (total / BLOCKS).min(shortest).max(len);
+    pieces
+        .iter()
+        .flat_map(|p| (0..p.len() / block).map(move |b| p.start + b * block))
+        .map(|start| spectra(&recording.part(start..start + block)?, len))
         .collect()
 }
 

@@ -2,28 +2,22 @@
 
 use super::identify_outcome::{ChannelSummary, Flag, IdentifyOutcome, RecordingSummary};
 use super::{
-    IdentifyMethod, IdentifySpec, Input, StudyError, drives, identify_operational, identify_physical,
-    identify_tvimm, load_vehicle, spectra_plot,
+    IdentifyMethod, IdentifySpec, Input, StudyError, identify_operational, identify_physical, identify_tvimm,
+    load_vehicle, spectra_plot, speed_parts,
 };
 use crate::files::FileError;
 use crate::identify::{LineSettings, spectral_lines};
-use crate::signal::{
-    CrossSpectra, Recording, RecordingDescription, Segment, SignalError, WelchSettings, read_recording, welch,
-};
+use crate::signal::{CrossSpectra, Recording, RecordingDescription, SignalError, read_recording};
 use crate::units::{Convention, per_hz_from_two_sided, rad_per_s};
 use crate::vehicle::VehicleSpec;
+use speed_parts::Part;
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 
-/// Segments are a share of the recording (see [`drives::segments`]), within these lengths in s: long ones keep the fine
-/// structure that delays give to spectra.
-const SEGMENT_S: [f64; 2] = [5.0, 20.0];
 /// The band that is looked at by default, Hz: body and wheel modes of road vehicles.
 const BAND_HZ: [f64; 2] = [0.4, 20.0];
 /// Wavelengths of ISO 8608 as ν in rad/m: the band is cut to where the road is described at the speed driven.
 const ISO_BAND_RAD_PER_M: [f64; 2] = [0.063, 17.77];
-/// A speed that spreads more than this about its mean blurs delays and frequencies of the road.
-const SPEED_SPREAD: f64 = 0.03;
-
 /// What an identification gives: the outcome, and the files to go on with.
 #[derive(Debug, Clone)]
 pub struct IdentifyRun {
@@ -38,7 +32,10 @@ pub struct IdentifyRun {
 /// What is told to a method besides the recording.
 #[derive(Debug, Clone)]
 pub(super) struct Task<'a> {
+    /// Detrended; of a drive that was cut by speed, its pieces one after another.
     pub recording: &'a Recording,
+    /// Samples of the pieces: all of them, where the drive was not cut.
+    pub pieces: &'a [Range<usize>],
     pub name: &'a str,
     pub band_hz: [f64; 2],
     pub spectra: CrossSpectra,
@@ -102,7 +99,9 @@ pub fn identify_recording(
 /// of the spec only the settings count. Returns the outcome, and vehicle.toml and road.toml to go on with.
 ///
 /// Several recordings are of one vehicle: `physical` fits its parameters to all of them and a road to each; the other
-/// methods identify each by itself. `runs` has each recording's own modes.
+/// methods identify each by itself. A recording whose speed varies by more than 3 % is cut into parts of steady speed
+/// (see [`by_speed`](crate::signal::by_speed)), which are treated as several recordings, the longest first, and told in
+/// the notes; where it cannot be, the flag `speed-varies` says why. `runs` has the modes of each recording or part.
 ///
 /// # Errors
 /// As [`identify`].
@@ -118,13 +117,15 @@ pub fn identify_recordings(
             found: spec.method.name().into(),
         });
     }
-    // detrending takes drift out of displacements and slow sensors
-    let detrended: Vec<Recording> = recordings.iter().map(|(_, r)| r.detrended()).collect();
-    let tasks = recordings
-        .iter()
-        .zip(&detrended)
-        .map(|((name, _), recording)| task(recording, name, spec))
-        .collect::<Result<Vec<_>, _>>()?;
+    let (mut parts, mut flags, mut notes) = (Vec::new(), Vec::new(), Vec::new());
+    for (name, recording) in recordings {
+        let several = if recordings.len() > 1 { name.as_str() } else { "" };
+        let made = speed_parts::parts(recording, name, several, spec)?;
+        parts.extend(made.parts);
+        flags.extend(made.flag);
+        notes.extend(made.note);
+    }
+    let tasks = parts.iter().map(|part| task(part, spec)).collect::<Result<Vec<_>, _>>()?;
     let Some(first) = tasks.first() else {
         return Err(StudyError::Setting {
             field: "recording",
@@ -145,21 +146,19 @@ pub fn identify_recordings(
             (IdentifyOutcome { runs, ..done.remove(0) }, Vec::new())
         }
     };
-    outcome.flags.extend(common_flags(first));
+    outcome.flags.extend(no_speed(first));
+    outcome.flags.extend(flags);
+    outcome.notes.extend(notes);
     Ok((outcome, files))
 }
 
-fn task<'a>(recording: &'a Recording, name: &'a str, spec: &IdentifySpec) -> Result<Task<'a>, StudyError> {
-    let band_hz = band(recording, spec)?;
-    let segment_s = match spec.segment_s {
-        Some(s) => s,
-        None => (recording.duration_s() / drives::segments(spec.method)).clamp(SEGMENT_S[0], SEGMENT_S[1]),
-    };
+fn task<'a>(part: &'a Part, spec: &IdentifySpec) -> Result<Task<'a>, StudyError> {
     Ok(Task {
-        spectra: welch(recording, &WelchSettings::hann(Segment::Seconds(segment_s)))?,
-        recording,
-        name,
-        band_hz,
+        band_hz: band(&part.recording, spec)?,
+        recording: &part.recording,
+        pieces: &part.pieces,
+        name: &part.name,
+        spectra: part.spectra.clone(),
         convention: spec.convention.unwrap_or_default(),
     })
 }
@@ -196,24 +195,11 @@ fn recording_inputs(path: &Path) -> Result<Vec<Input>, StudyError> {
     Ok(inputs)
 }
 
-fn common_flags(task: &Task<'_>) -> Vec<Flag> {
-    let mut flags = Vec::new();
-    let mut flag = |name: &str, text: String| flags.push(Flag { name: name.to_owned(), text });
-    match (task.recording.speed_m_s(), task.recording.speed_spread_m_s()) {
-        (None, _) => flag(
-            "no-speed",
-            "the recording has no speed: neither a wheelbase delay nor the road's roughness can be reported"
-                .into(),
-        ),
-        (Some(v), Some(spread)) if spread > SPEED_SPREAD * v => flag(
-            "speed-varies",
-            format!(
-                "the speed varies by {spread:.2} m/s about {v:.2} m/s: delays and road frequencies are blurred"
-            ),
-        ),
-        _ => {}
-    }
-    flags
+fn no_speed(task: &Task<'_>) -> Option<Flag> {
+    let text =
+        "the recording has no speed: neither a wheelbase delay nor the road's roughness can be reported";
+    let flag = || Flag { name: "no-speed".into(), text: text.into() };
+    task.recording.speed_m_s().is_none().then(flag)
 }
 
 /// What was recorded, for the outcome.

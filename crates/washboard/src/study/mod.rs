@@ -27,7 +27,9 @@ mod shape_points;
 mod simulate;
 mod spec;
 mod spectra_plot;
+mod speed_parts;
 
+pub use crate::vehicle::Stretch;
 pub use compare::{compare, compare_outcomes};
 pub use compare_outcome::*;
 pub use damping::{DampingOnRoad, DampingOutcome, EquivalentDamper, damping};
@@ -41,7 +43,9 @@ pub use modes::{ModesOutcome, VehicleMode, VehicleModeKind, modes};
 pub use named::Named;
 pub use ride::{Infinite, RideOutcome, RideSpectra, Rms, ride};
 pub use sensors::{SensorRow, SensorsFile};
-pub use simulate::{DriveTruth, SimulateOutcome, SimulateRun, SimulatedChannel, TrueNoise, simulate};
+pub use simulate::{
+    DriveTruth, DrivenStretch, SimulateOutcome, SimulateRun, SimulatedChannel, TrueNoise, simulate,
+};
 pub use spec::{
     CompareSpec, DampingSpec, DemoSpec, IdentifyMethod, IdentifySpec, ModesSpec, RideSpec, SimulateSpec, Spec,
 };

@@ -7,11 +7,14 @@ use super::{
 };
 use crate::files::{FileError, read_text};
 use crate::road::{Coherence, RoadSpec};
-use crate::signal::{ChannelDescription, Column, Quantity, Recording, RecordingDescription, Unit};
-use crate::vehicle::{Drive, DriveSettings, SimulateError, VehicleSpec, drive};
+use crate::signal::{ChannelDescription, Column, Quantity, Recording, RecordingDescription, SpeedUnit, Unit};
+use crate::vehicle::{Drive, DriveSettings, SimulateError, Stretch, VehicleSpec, drive, drive_stretches};
 use serde::{Deserialize, Serialize};
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
+
+/// The column of the speed, where it changes.
+const SPEED_COLUMN: &str = "speed_m_s";
 
 /// Significant digits of a sample: a relative error of 5e-9.
 const DIGITS: usize = 9;
@@ -25,13 +28,27 @@ pub struct SimulateOutcome {
     pub samples: usize,
     /// Samples per second.
     pub rate_hz: f64,
-    /// Forward speed.
+    /// Forward speed; of stretches the mean over the time.
     pub speed_m_s: f64,
     /// Of the throw.
     pub seed: u64,
+    /// Where the speed changes: each part.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub stretches: Vec<DrivenStretch>,
     /// The columns after `t`.
     pub channels: Vec<SimulatedChannel>,
-    /// Rear axle behind front axle; none for one axle, or where every wheel has a road of its own.
+    /// Rear axle behind front axle; none for one axle, where every wheel has a road of its own, or the speed changes.
+    pub delay_s: Option<f64>,
+}
+
+/// A part of a drive at one speed.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct DrivenStretch {
+    /// Forward speed.
+    pub speed_m_s: f64,
+    /// Length.
+    pub duration_s: f64,
+    /// Rear axle behind front axle, as for the whole drive.
     pub delay_s: Option<f64>,
 }
 
@@ -62,10 +79,13 @@ pub struct DriveTruth {
     pub modes: Vec<VehicleMode>,
     /// The road's file.
     pub road: RoadSpec,
-    /// Forward speed.
+    /// Forward speed; of stretches the mean over the time.
     pub speed_m_s: f64,
     /// Rear axle behind front axle.
     pub delay_s: Option<f64>,
+    /// Where the speed changes: each part.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub stretches: Vec<DrivenStretch>,
     /// Of the throw.
     pub seed: u64,
     /// What each sensor added.
@@ -105,7 +125,7 @@ pub fn simulate(spec: &SimulateSpec) -> Result<SimulateRun, StudyError> {
     }
     let loaded = load_vehicle(&spec.vehicle)?;
     let road = load_road(&spec.road)?;
-    super::ride::check_speed(spec.speed_m_s)?;
+    let stretches = stretches(spec)?;
     let mut inputs: Vec<Input> = loaded.inputs.iter().chain(&road.inputs).cloned().collect();
     let sensors = match &spec.sensors {
         Some(path) => {
@@ -115,20 +135,37 @@ pub fn simulate(spec: &SimulateSpec) -> Result<SimulateRun, StudyError> {
         }
         None => default_sensors(&loaded, spec.noise)?,
     };
-    let settings = DriveSettings {
-        speed_m_s: spec.speed_m_s,
-        duration_s: spec.duration_s,
-        rate_hz: spec.rate_hz,
-        seed: spec.seed,
-    };
+    if !spec.speeds.is_empty() && sensors.iter().any(|s| s.channel.name == SPEED_COLUMN) {
+        return Err(StudyError::Setting {
+            field: "sensor.name",
+            expected: "another name than the speed's column".into(),
+            found: SPEED_COLUMN.into(),
+        });
+    }
     let channels: Vec<_> = sensors.iter().map(|s| (s.channel.clone(), s.flaws)).collect();
-    let driven = drive(&loaded.vehicle, &road.road, &channels, &settings).map_err(|e| match e {
+    let (vehicle, on) = (&loaded.vehicle, &road.road);
+    let driven = match stretches.as_slice() {
+        [Stretch { speed_m_s, duration_s }] if spec.speeds.is_empty() => {
+            let (speed_m_s, duration_s) = (*speed_m_s, *duration_s);
+            let settings = DriveSettings { speed_m_s, duration_s, rate_hz: spec.rate_hz, seed: spec.seed };
+            drive(vehicle, on, &channels, &settings)
+        }
+        stretches => drive_stretches(vehicle, on, &channels, stretches, spec.rate_hz, spec.seed),
+    };
+    let driven = driven.map_err(|e| match e {
         SimulateError::Ride(source) => StudyError::Ride { name: loaded.name.clone(), source },
         other => other.into(),
     })?;
-    let delay_s = delay_s(&loaded, &road, spec.speed_m_s);
-    let truth = truth(&loaded, &road, &driven, &settings, delay_s)?;
-    let outcome = outcome(&driven, &names, spec.seed, delay_s);
+    let parts: Vec<DrivenStretch> = stretches
+        .iter()
+        .map(|s| DrivenStretch {
+            speed_m_s: s.speed_m_s,
+            duration_s: s.duration_s,
+            delay_s: delay_s(&loaded, &road, s.speed_m_s),
+        })
+        .collect();
+    let truth = truth(&loaded, &road, &driven, spec, &parts)?;
+    let outcome = outcome(&driven, &names, spec, &parts);
     let [csv, toml, json] = names;
     let description = description(&driven.recording, &sensors, &csv);
     let text = toml::to_string(&description)
@@ -139,6 +176,33 @@ pub fn simulate(spec: &SimulateSpec) -> Result<SimulateRun, StudyError> {
         (json, Envelope::new("simulate", inputs.clone(), truth).to_json().into_bytes()),
     ];
     Ok(SimulateRun { outcome, inputs, files })
+}
+
+/// The speed and length, or the stretches: one of them.
+fn stretches(spec: &SimulateSpec) -> Result<Vec<Stretch>, StudyError> {
+    match (spec.speed_m_s, spec.duration_s, spec.speeds.is_empty()) {
+        (Some(speed_m_s), Some(duration_s), true) => {
+            super::ride::check_speed(speed_m_s)?;
+            Ok(vec![Stretch { speed_m_s, duration_s }])
+        }
+        (None, None, false) => Ok(spec.speeds.clone()),
+        (speed, duration, _) => {
+            let word = |name: &str, there: bool| if there { Some(name.to_owned()) } else { None };
+            let found: Vec<String> = [
+                word("speed_m_s", speed.is_some()),
+                word("duration_s", duration.is_some()),
+                word("speeds", !spec.speeds.is_empty()),
+            ]
+            .into_iter()
+            .flatten()
+            .collect();
+            Err(StudyError::Setting {
+                field: "speeds",
+                expected: "either speed_m_s and duration_s, or speeds alone".into(),
+                found: if found.is_empty() { "none of them".into() } else { found.join(", ") },
+            })
+        }
+    }
 }
 
 /// RUN.csv, RUN.toml, RUN.truth.json.
@@ -171,8 +235,8 @@ fn truth(
     loaded: &LoadedVehicle,
     road: &LoadedRoad,
     driven: &Drive,
-    settings: &DriveSettings,
-    delay_s: Option<f64>,
+    spec: &SimulateSpec,
+    parts: &[DrivenStretch],
 ) -> Result<DriveTruth, StudyError> {
     let channels = driven.recording.channels().iter().zip(&driven.noise_rms);
     Ok(DriveTruth {
@@ -180,14 +244,28 @@ fn truth(
         chassis: loaded.chassis.clone(),
         modes: super::modes::vehicle_modes(loaded)?,
         road: road.spec.clone(),
-        speed_m_s: settings.speed_m_s,
-        delay_s,
-        seed: settings.seed,
+        speed_m_s: driven.recording.speed_m_s().unwrap_or_default(),
+        delay_s: one_delay(parts),
+        stretches: if spec.speeds.is_empty() { Vec::new() } else { parts.to_vec() },
+        seed: spec.seed,
         noise: channels.map(|(c, rms)| TrueNoise { channel: c.name.clone(), rms: *rms }).collect(),
     })
 }
 
-fn outcome(driven: &Drive, names: &[PathBuf; 3], seed: u64, delay_s: Option<f64>) -> SimulateOutcome {
+/// Of a drive at one speed.
+fn one_delay(parts: &[DrivenStretch]) -> Option<f64> {
+    match parts {
+        [one] => one.delay_s,
+        _ => None,
+    }
+}
+
+fn outcome(
+    driven: &Drive,
+    names: &[PathBuf; 3],
+    spec: &SimulateSpec,
+    parts: &[DrivenStretch],
+) -> SimulateOutcome {
     let recording = &driven.recording;
     let rms = |x: &[f64]| (x.iter().map(|v| v * v).sum::<f64>() / x.len() as f64).sqrt();
     let channels = recording.channels().iter().zip(recording.samples()).zip(&driven.noise_rms);
@@ -196,7 +274,8 @@ fn outcome(driven: &Drive, names: &[PathBuf; 3], seed: u64, delay_s: Option<f64>
         samples: recording.len(),
         rate_hz: recording.rate_hz(),
         speed_m_s: recording.speed_m_s().unwrap_or_default(),
-        seed,
+        seed: spec.seed,
+        stretches: if spec.speeds.is_empty() { Vec::new() } else { parts.to_vec() },
         channels: channels
             .map(|((c, x), noise_rms)| SimulatedChannel {
                 name: c.name.clone(),
@@ -206,7 +285,7 @@ fn outcome(driven: &Drive, names: &[PathBuf; 3], seed: u64, delay_s: Option<f64>
                 noise_rms: *noise_rms,
             })
             .collect(),
-        delay_s,
+        delay_s: one_delay(parts),
     }
 }
 
@@ -240,16 +319,16 @@ fn description(recording: &Recording, sensors: &[Sensor], csv: &Path) -> Recordi
         time_unit: None,
         stamps: None,
         span_s: None,
-        speed_m_s: recording.speed_m_s(),
-        speed_column: None,
+        speed_m_s: if recording.speed_series().is_some() { None } else { recording.speed_m_s() },
+        speed_column: recording.speed_series().map(|_| Column::Name(SPEED_COLUMN.to_owned())),
         speed_file: None,
-        speed_unit: None,
+        speed_unit: recording.speed_series().map(|_| SpeedUnit::MetrePerSecond),
         wheels: recording.wheels().to_vec(),
         channels: channels.collect(),
     }
 }
 
-/// The recording's RUN.csv: `t`, then the channels along their declared directions.
+/// The recording's RUN.csv: `t`, the channels along their declared directions, the speed where it changes.
 fn data(recording: &Recording, sensors: &[Sensor]) -> String {
     let series = recording.samples();
     let mut text = String::with_capacity(recording.len() * (16 + series.len() * (DIGITS + 8)));
@@ -258,6 +337,10 @@ fn data(recording: &Recording, sensors: &[Sensor]) -> String {
         text.push(',');
         text.push_str(&c.name);
     });
+    if recording.speed_series().is_some() {
+        text.push(',');
+        text.push_str(SPEED_COLUMN);
+    }
     text.push('\n');
     let signs: Vec<f64> = sensors.iter().map(|s| s.declared.sign()).collect();
     for k in 0..recording.len() {
@@ -265,6 +348,9 @@ fn data(recording: &Recording, sensors: &[Sensor]) -> String {
         let _ = write!(text, "{}", k as f64 / recording.rate_hz());
         for (x, sign) in series.iter().zip(&signs) {
             let _ = write!(text, ",{:.*e}", DIGITS - 1, sign * x[k]);
+        }
+        if let Some(speed) = recording.speed_series() {
+            let _ = write!(text, ",{:.*e}", DIGITS - 1, speed[k]);
         }
         text.push('\n');
     }

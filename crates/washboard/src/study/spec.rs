@@ -2,6 +2,7 @@
 
 use super::StudyError;
 use crate::units::Convention;
+use crate::vehicle::Stretch;
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 
@@ -66,10 +67,15 @@ pub struct SimulateSpec {
     pub vehicle: String,
     /// A road file or `case:NAME`.
     pub road: String,
-    /// Forward speed.
-    pub speed_m_s: f64,
+    /// Forward speed; this and the length, or stretches.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub speed_m_s: Option<f64>,
     /// Length of the recording.
-    pub duration_s: f64,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub duration_s: Option<f64>,
+    /// Stretches of constant speed, one after another, with jumps between.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub speeds: Vec<Stretch>,
     /// Samples per second.
     pub rate_hz: f64,
     /// White noise as a multiple of each channel's rms; a sensors file may say otherwise for a sensor.

@@ -32,7 +32,9 @@ pub use parametric::ParametricVehicle;
 pub use quarter_car::QuarterCar;
 pub use response::{Response, ResponseMode, ResponseOutput, ResponseReal};
 pub use ride::{Ride, RideError, Variance};
-pub use simulate::{Drive, DriveSettings, Flaws, SimulateError, drive, simulate};
+pub use simulate::{
+    Drive, DriveSettings, Flaws, SPEED_RAMP_S, SimulateError, Stretch, drive, drive_stretches, simulate,
+};
 pub use spec::{Model, VehicleSpec};
 pub use truck_cabin::{CabinAxle, TruckCabin};
 pub use values::{Axle, LeftRight};

@@ -8,3 +8,4 @@ mod common;
 mod other_drives;
 mod physical;
 mod without_file;
+mod speeds;

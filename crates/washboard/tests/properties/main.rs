@@ -6,3 +6,4 @@ mod dampers;
 mod ride;
 mod sensors;
 mod simulate;
+mod stretches;

@@ -2,11 +2,13 @@
 
 mod flaws;
 mod nonlinear;
+mod stretches;
 mod synthesis;
 mod tracks;
 mod transfer;
 
 pub use flaws::Flaws;
+pub use stretches::{SPEED_RAMP_S, Stretch, drive_stretches};
 
 use super::{Ride, RideError, Vehicle, VehicleError};
 use crate::road::Road;
@@ -125,6 +127,23 @@ pub fn drive(
     sensors: &[(Channel, Flaws)],
     settings: &DriveSettings,
 ) -> Result<Drive, SimulateError> {
+    let recorded = recorded(vehicle, road, sensors, settings)?;
+    spoiled(recorded, sensors, settings.rate_hz, settings.speed_m_s, settings.seed)
+}
+
+/// What sensors without noise record.
+struct Recorded {
+    wheels: Vec<WheelPlace>,
+    series: Vec<Vec<f64>>,
+    step_error: Option<f64>,
+}
+
+fn recorded(
+    vehicle: &Vehicle,
+    road: &Road,
+    sensors: &[(Channel, Flaws)],
+    settings: &DriveSettings,
+) -> Result<Recorded, SimulateError> {
     for (field, value) in [
         ("speed_m_s", settings.speed_m_s),
         ("duration_s", settings.duration_s),
@@ -171,19 +190,31 @@ pub fn drive(
         spectra.iter_mut().zip(difference).for_each(|(s, d)| s.iter_mut().zip(d).for_each(|(a, b)| *a += b));
         step_error = Some(error);
     }
-    let mut series: Vec<Vec<f64>> = spectra
+    let series: Vec<Vec<f64>> = spectra
         .into_par_iter()
         .zip(sensors)
         .map(|(spectrum, (_, flaws))| flaws.sample(spectrum, &input, samples))
         .collect();
+    Ok(Recorded { wheels, series, step_error })
+}
+
+/// The recording with what the sensors add.
+fn spoiled(
+    recorded: Recorded,
+    sensors: &[(Channel, Flaws)],
+    rate_hz: f64,
+    speed_m_s: f64,
+    seed: u64,
+) -> Result<Drive, SimulateError> {
+    let Recorded { wheels, mut series, step_error } = recorded;
     let mut noise_rms = Vec::with_capacity(sensors.len());
     for (index, (data, (_, flaws))) in series.iter_mut().zip(sensors).enumerate() {
-        let mut rng = ChaCha8Rng::seed_from_u64(settings.seed);
+        let mut rng = ChaCha8Rng::seed_from_u64(seed);
         rng.set_stream(1 + index as u64);
         noise_rms.push(flaws.spoil(data, &mut rng));
     }
     let channels = sensors.iter().map(|(c, _)| c.clone()).collect();
-    let recording = Recording::new(settings.rate_hz, Some(settings.speed_m_s), wheels, channels, series)?;
+    let recording = Recording::new(rate_hz, Some(speed_m_s), wheels, channels, series)?;
     Ok(Drive { recording, noise_rms, step_error })
 }
 
