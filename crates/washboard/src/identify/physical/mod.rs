@@ -5,6 +5,7 @@ mod joint;
 mod layout;
 mod model;
 mod outcome;
+mod slopes;
 mod start;
 mod uncertainty;
 
@@ -138,6 +139,7 @@ fn model<'a>(
         drive: Drive { speed_m_s: drive.speed_m_s, convention: settings.convention },
         layout: Layout::new(values.len(), differs(1), differs(0), clocks, channels.len()),
         channels,
+        at_m: base.at_m().to_vec(),
         data: BandData::new(drive.spectra, drive.band_hz)?,
         averages: drive.spectra.averages,
     })
