@@ -1,5 +1,7 @@
 //! Fitting spectral models to measured spectra: what the physical fit and the free modes share.
 
+#[cfg(test)]
+pub(crate) mod checks;
 mod covariance;
 mod data;
 mod descent;

@@ -45,7 +45,7 @@ impl<'a> Road<'a> {
             s[i * w + i] = C64::new(level, 0.0);
             for j in i + 1..w {
                 let [decay, turn] = self.exponents(omega, i, j);
-                let (sin, cos) = turn.sin_cos();
+                let (sin, cos) = if turn == 0.0 { (0.0, 1.0) } else { turn.sin_cos() };
                 let value = C64::new(cos, -sin) * (level * (-decay).exp());
                 (s[i * w + j], s[j * w + i]) = (value, value.conj());
             }

@@ -110,9 +110,10 @@ impl Model<'_> {
         }
         lu_solve(matrix, pivots, x, wheels);
         for (i, w) in weight.iter_mut().enumerate() {
-            let late = self.layout.clocks.map_or(0.0, |first| theta[first + i]);
-            *w = C64::new(0.0, omega).powu(self.derivatives[i] as u32) / self.data.scale[i]
-                * C64::new(0.0, -omega * late).exp();
+            *w = C64::new(0.0, omega).powu(self.derivatives[i] as u32) / self.data.scale[i];
+            if let Some(first) = self.layout.clocks {
+                *w *= C64::new(0.0, -omega * theta[first + i]).exp();
+            }
         }
         real_product(h, [n, states, wheels], &base.rows, x);
         h.chunks_exact_mut(wheels).zip(&*weight).for_each(|(row, w)| row.iter_mut().for_each(|v| *v *= w));

@@ -86,6 +86,7 @@ pub(super) fn outcome(
     start: &[f64],
     found: &Search,
     drives: &[PhysicalDrive<'_>],
+    rough: bool,
 ) -> Result<PhysicalOutcome, String> {
     const INDEFINITE: &str = "the model's spectrum is not positive definite";
     let theta = &found.theta;
@@ -106,7 +107,8 @@ pub(super) fn outcome(
         let local = joint.local(theta, r);
         let evaluation = model.evaluate(&local)?;
         let whitening = Whitening::new(&evaluation.s).ok_or(INDEFINITE)?;
-        if let Some(first) = drive.blocks.first() {
+        // a search that ended early is compared by its cost: nobody reads its intervals
+        if let (Some(first), false) = (drive.blocks.first(), rough) {
             let slopes = model.slopes(&local)?;
             let gradient = |block: &CrossSpectra| -> Vec<f64> {
                 let pulls = whitening.metric_pull(&model.data.scaled(block), -model.data.averages);

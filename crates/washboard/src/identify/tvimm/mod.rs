@@ -1,5 +1,7 @@
 //! The track-vehicle interaction modal model with free modes: poles, shapes and the road from spectra, no vehicle file.
 
+#[cfg(test)]
+mod derivative_tests;
 mod extra;
 mod information;
 mod model;
