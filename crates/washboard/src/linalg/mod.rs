@@ -7,6 +7,7 @@ mod lyapunov;
 mod quadrature;
 mod quasi_triangular;
 mod schur;
+pub(crate) mod small;
 #[cfg(test)]
 mod test_matrices;
 mod tiny;

@@ -7,5 +7,5 @@ mod common;
 
 mod other_drives;
 mod physical;
-mod without_file;
 mod speeds;
+mod without_file;

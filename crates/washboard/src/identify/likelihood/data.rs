@@ -1,6 +1,6 @@
 //! Measured spectra as the likelihood sees them: a band of bins, channels scaled to a mean density of 1.
 
-use super::FitError;
+use super::{FitError, Spectra};
 use crate::linalg::{C64, CMat, solve_complex};
 use crate::signal::CrossSpectra;
 use crate::units::rad_per_s;
@@ -24,7 +24,7 @@ pub(crate) struct BandData {
     /// Distance of bins, rad/s.
     pub step: f64,
     /// Scaled spectra.
-    pub measured: Vec<CMat>,
+    pub measured: Spectra,
     /// S = scaled · scaleᵢ scaleⱼ.
     pub scale: Vec<f64>,
     /// Averages that a likelihood over all bins may count.
@@ -57,7 +57,7 @@ impl BandData {
             first: bins[0],
             omega: bins.iter().map(|k| spectra.omega_rad_s[*k]).collect(),
             step: rad_per_s(spectra.resolution_hz()),
-            measured: bins.iter().map(|k| scaled(*k)).collect(),
+            measured: Spectra::of(n, bins.iter().map(|k| scaled(*k))),
             noise: noise_floors(spectra, &scaled, n),
             scale,
             averages: spectra.likelihood_averages(),
@@ -76,8 +76,9 @@ fn loaded(s: &CMat, scale: &[f64]) -> CMat {
 
 impl BandData {
     /// The same bins of another estimate of the same channels, scaled alike.
-    pub fn scaled(&self, spectra: &CrossSpectra) -> Vec<CMat> {
-        (self.first..self.first + self.omega.len()).map(|k| loaded(&spectra.s[k], &self.scale)).collect()
+    pub fn scaled(&self, spectra: &CrossSpectra) -> Spectra {
+        let bins = self.first..self.first + self.omega.len();
+        Spectra::of(self.scale.len(), bins.map(|k| loaded(&spectra.s[k], &self.scale)))
     }
 
     /// The first and the last half bin that the window reaches from the band, mirrored at zero.
@@ -92,52 +93,55 @@ impl BandData {
         0.5 * self.step * index as f64
     }
 
-    /// The half bins under the window at a bin: place in the grid, whether mirrored (conjugate), weight.
-    pub fn under_window(&self, bin: usize) -> impl Iterator<Item = (usize, bool, f64)> + '_ {
-        let (half, from) = (self.kernel.len() as i64 / 2, self.grid()[0]);
-        let middle = 2 * (self.first + bin) as i64;
-        self.kernel.iter().enumerate().map(move |(offset, weight)| {
-            let index = middle + offset as i64 - half;
-            (index.unsigned_abs() as usize - from, index < 0, *weight)
-        })
+    /// Place in the grid of the middle of a bin.
+    pub fn middle(&self, bin: usize) -> usize {
+        2 * (self.first + bin) - self.grid()[0]
     }
 
-    /// Values on the grid seen through the window at every bin: S(−ω) = S(ω)*.
-    pub fn convolve(&self, grid: &[Vec<C64>]) -> Vec<Vec<C64>> {
-        let width = grid.first().map_or(0, Vec::len);
-        (0..self.omega.len())
-            .into_par_iter()
-            .map(|bin| {
-                let mut sum = vec![C64::new(0.0, 0.0); width];
-                for (at, mirrored, weight) in self.under_window(bin) {
-                    let sign = if mirrored { -1.0 } else { 1.0 };
-                    for (s, v) in sum.iter_mut().zip(&grid[at]) {
-                        *s += C64::new(weight * v.re, sign * weight * v.im);
-                    }
-                }
-                sum
-            })
-            .collect()
-    }
-
-    /// The adjoint of [`BandData::convolve`]: Σ_bins Re⟨G, W * S⟩ = Σ_grid Re⟨W' G, S⟩ for ⟨G, S⟩ = tr(G S).
-    pub fn spread(&self, bins: &[CMat]) -> Vec<CMat> {
-        let [from, last] = self.grid();
-        let n = self.scale.len();
-        let mut grid = vec![CMat::zeros(n, n); last - from + 1];
-        for (bin, g) in bins.iter().enumerate() {
-            for (at, mirrored, weight) in self.under_window(bin) {
-                let sign = if mirrored { -1.0 } else { 1.0 };
-                let into = &mut grid[at];
-                for j in 0..n {
-                    for i in 0..n {
-                        let v: C64 = g[(i, j)];
-                        into[(i, j)] += C64::new(weight * v.re, sign * weight * v.im);
-                    }
-                }
+    /// Spectra on the grid seen through the window at every bin, with noise: S(−ω) = S(ω)*.
+    pub fn convolve(&self, grid: &Spectra, noise: &[f64]) -> Spectra {
+        let (n, half, from) = (grid.order(), self.kernel.len() as i64 / 2, self.grid()[0]);
+        let mut bins = vec![0.0; self.omega.len() * n * n];
+        bins.par_chunks_exact_mut(n * n).enumerate().for_each(|(bin, sum)| {
+            let middle = 2 * (self.first + bin) as i64;
+            for (offset, weight) in self.kernel.iter().enumerate() {
+                let index = middle + offset as i64 - half;
+                add(sum, grid.block(index.unsigned_abs() as usize - from), *weight, index < 0, n);
             }
+            noise.iter().enumerate().for_each(|(i, v)| sum[i * n + i] += v);
+        });
+        Spectra::new(n, bins)
+    }
+
+    /// The adjoint of [`BandData::convolve`] at one place of the grid:
+    /// Σ_bins Re⟨G, W * S⟩ = Σ_grid Re⟨W' G, S⟩ for ⟨G, S⟩ = tr(G S).
+    pub fn spread(&self, bins: &Spectra, place: usize, sum: &mut [f64]) {
+        sum.fill(0.0);
+        let (n, half) = (bins.order(), self.kernel.len() as i64 / 2);
+        let index = (self.grid()[0] + place) as i64;
+        let mut gather = |index: i64, mirrored: bool| {
+            // bins whose middle is at most half a kernel away, middles being two half bins apart
+            let lowest = (index - half + 1).div_euclid(2).max(self.first as i64);
+            let highest = (index + half).div_euclid(2).min((self.first + self.omega.len()) as i64 - 1);
+            for bin in lowest..=highest {
+                let weight = self.kernel[(index - 2 * bin + half) as usize];
+                add(sum, bins.block(bin as usize - self.first), weight, mirrored, n);
+            }
+        };
+        gather(index, false);
+        if index > 0 {
+            gather(-index, true);
         }
-        grid
+    }
+}
+
+/// Adds a weighted block, or its conjugate.
+fn add(sum: &mut [f64], block: &[f64], weight: f64, mirrored: bool, n: usize) {
+    sum.iter_mut().zip(block).for_each(|(s, v)| *s += weight * v);
+    if mirrored {
+        for i in 0..n {
+            (0..i).for_each(|j| sum[i * n + j] -= 2.0 * weight * block[i * n + j]);
+        }
     }
 }
 

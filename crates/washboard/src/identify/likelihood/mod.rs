@@ -1,18 +1,22 @@
 //! Fitting spectral models to measured spectra: what the physical fit and the free modes share.
 
+#[cfg(test)]
+pub(crate) mod checks;
 mod covariance;
 mod data;
 mod descent;
+mod response;
 mod road;
+mod spectra;
 mod whittle;
 
 pub(crate) use covariance::{Covariance, Group};
 pub(crate) use data::{BandData, LEAST_NOISE};
 pub(crate) use descent::{End, Problem, Stop, descend, newton};
-pub(crate) use road::{Drive, RoadAt, RoadValues};
-pub(crate) use whittle::{
-    Score, Whitened, cost, information_bins, inverse_factor, metric_pull, residuals, whiten_all,
-};
+pub(crate) use response::{Place, PlaceMut, Pulled, Response, Shape};
+pub(crate) use road::{Drive, Road, RoadValues};
+pub(crate) use spectra::Spectra;
+pub(crate) use whittle::{Score, Whitening, cost, information_bins};
 
 use thiserror::Error;
 

@@ -2,7 +2,7 @@
 
 use super::joint::{Joint, Search};
 use super::layout::Kind;
-use crate::identify::likelihood::{CHI_LIMIT, FitError, mean, newton, residuals};
+use crate::identify::likelihood::{CHI_LIMIT, FitError, Whitening, mean, newton};
 
 /// A clock is suspected where one step of the information moves it by so many standard deviations …
 const SUSPICION: f64 = 6.0;
@@ -61,9 +61,9 @@ pub(super) fn refit<'a>(suspicion: Suspicion<'a>, annealing: &[f64]) -> Option<R
     let found = joint.search(&start, annealing, false).ok()?;
     let explained = joint.models.iter().enumerate().all(|(r, model)| {
         let residual = model
-            .evaluate(&joint.local(&found.theta, r))
+            .spectra(&joint.local(&found.theta, r))
             .ok()
-            .and_then(|e| residuals(&e.s, &model.data.measured, model.data.averages));
+            .and_then(|s| Some(Whitening::new(&s)?.residuals(&model.data.measured, model.data.averages)));
         residual.is_some_and(|x| mean(&x) <= CHI_LIMIT)
     });
     let off = (0..joint.len())

@@ -3,9 +3,9 @@
 use super::layout::Kind;
 use super::model::Model;
 use crate::identify::likelihood::{
-    End, LEAST_NOISE, Problem, Score, Stop, cost, descend, information_bins, whiten_all,
+    End, LEAST_NOISE, Problem, Score, Spectra, Stop, Whitening, cost, descend, information_bins,
 };
-use crate::linalg::{C64, CMat, Mat};
+use crate::linalg::Mat;
 use rayon::prelude::*;
 
 /// While noise is raised, e stays within this of 2 and ln μ within that of its start.
@@ -44,7 +44,7 @@ pub(super) struct Joint<'a> {
 /// The joint problem at one level of raised noise.
 struct Stage<'j, 'a> {
     joint: &'j Joint<'a>,
-    measured: Vec<Vec<CMat>>,
+    measured: Vec<Spectra>,
     limits: Vec<[f64; 2]>,
 }
 
@@ -97,7 +97,7 @@ impl<'a> Joint<'a> {
     }
 
     /// Cost, gradient and information of all recordings.
-    pub fn score(&self, theta: &[f64], measured: &[Vec<CMat>]) -> Option<Score> {
+    pub fn score(&self, theta: &[f64], measured: &[Spectra]) -> Option<Score> {
         let p = self.len();
         let (mut total, mut gradient, mut fisher) = (0.0, vec![0.0; p], Mat::zeros(p, p));
         for (r, model) in self.models.iter().enumerate() {
@@ -187,23 +187,20 @@ impl<'a> Joint<'a> {
 ///
 /// The gradient is exact; the information takes each bin's derivatives as at its middle, where the window moves them by a
 /// few per cent at most.
-fn part(model: &Model<'_>, theta: &[f64], measured: &[CMat]) -> Option<Score> {
+fn part(model: &Model<'_>, theta: &[f64], measured: &Spectra) -> Option<Score> {
     let evaluation = model.evaluate(theta).ok()?;
-    let whitened = whiten_all(&evaluation.s, measured)?;
+    let whitening = Whitening::new(&evaluation.s)?;
     let (averages, p) = (model.data.averages, theta.len());
-    let pulls: Vec<CMat> = whitened
-        .iter()
-        .map(|w| CMat::from_fn(w.pull.nrows(), w.pull.ncols(), |i, j| w.pull[(i, j)] * averages))
-        .collect();
+    let (cost, pulls) = whitening.pulls(measured, averages);
     let slopes = model.slopes(theta).ok()?;
     let gradient = model.pull(&evaluation, &slopes, theta, &pulls);
-    let (bins, weight) = information_bins(whitened.len());
-    let from = model.data.grid()[0];
+    let (bins, weight) = information_bins(measured.len());
+    let shape = evaluation.grid.shape;
     let shares: Vec<Mat> = bins
         .into_par_iter()
         .filter_map(|bin| {
-            let g = evaluation.grid[2 * (model.data.first + bin) - from].as_ref()?;
-            let v = model.whitened_slopes(g, &slopes, theta, &whitened[bin].inverse);
+            let g = evaluation.grid.at(model.data.middle(bin))?;
+            let v = model.whitened_slopes(shape, g, &slopes, theta, whitening.inverse(bin));
             Some(v.transpose() * &v)
         })
         .collect();
@@ -211,18 +208,13 @@ fn part(model: &Model<'_>, theta: &[f64], measured: &[CMat]) -> Option<Score> {
     shares.iter().for_each(|s| fisher += s);
     let weight = weight * averages;
     let fisher = Mat::from_fn(p, p, |i, j| weight * fisher[(i.max(j), i.min(j))]);
-    let cost = averages * whitened.iter().map(|w| w.cost).sum::<f64>();
     cost.is_finite().then_some(Score { cost, gradient, fisher })
 }
 
 /// Measured spectra with `share` of each channel's starting noise floor added.
-fn raised(model: &Model<'_>, share: f64) -> Vec<CMat> {
-    let added = |m: &CMat| {
-        CMat::from_fn(m.nrows(), m.ncols(), |i, j| {
-            m[(i, j)] + C64::new(if i == j { share * model.data.noise[i] } else { 0.0 }, 0.0)
-        })
-    };
-    model.data.measured.iter().map(added).collect()
+fn raised(model: &Model<'_>, share: f64) -> Spectra {
+    let more: Vec<f64> = model.data.noise.iter().map(|v| share * v).collect();
+    model.data.measured.raised(&more)
 }
 
 impl Problem for Stage<'_, '_> {
@@ -236,8 +228,8 @@ impl Problem for Stage<'_, '_> {
     fn cost(&self, at: &Vec<f64>) -> Option<f64> {
         let mut total = 0.0;
         for (r, model) in self.joint.models.iter().enumerate() {
-            let e = model.evaluate(&self.joint.local(at, r)).ok()?;
-            total += cost(&e.s, &self.measured[r], model.data.averages)?;
+            let s = model.spectra(&self.joint.local(at, r)).ok()?;
+            total += cost(&s, &self.measured[r], model.data.averages)?;
         }
         Some(total)
     }

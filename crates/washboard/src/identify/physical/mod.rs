@@ -1,10 +1,13 @@
 //! The physical fit: a vehicle's parameters, its roads and the sensors' noise from spectra alone, by Whittle likelihood.
 
 mod clocks;
+#[cfg(test)]
+mod derivative_tests;
 mod joint;
 mod layout;
 mod model;
 mod outcome;
+mod slopes;
 mod start;
 mod uncertainty;
 
@@ -52,7 +55,7 @@ pub struct PhysicalSettings {
     pub annealing: Vec<f64>,
     /// Where e and μ of each recording start, where they are known better than 2 and what hub pairs show.
     pub roads: Option<Vec<RoadStart>>,
-    /// Whether the search may end early: to compare starts.
+    /// Whether the search may end early: to compare starts. Its standard deviations are the information's alone.
     pub rough: bool,
     /// Whether sensors' clocks are looked at, and fitted where they are off.
     pub clocks: bool,
@@ -105,10 +108,10 @@ pub fn fit_physical(
         && let Some(off) = clocks::suspicion(&joint, &found.theta, || self::joint(drives, settings, true))
         && let Some(better) = clocks::refit(off, &settings.annealing)
     {
-        return outcome::outcome(&better.joint, &better.start, &better.found, drives)
+        return outcome::outcome(&better.joint, &better.start, &better.found, drives, settings.rough)
             .map_err(FitError::Start);
     }
-    outcome::outcome(&joint, &start, &found, drives).map_err(FitError::Start)
+    outcome::outcome(&joint, &start, &found, drives, settings.rough).map_err(FitError::Start)
 }
 
 fn joint<'a>(
@@ -138,6 +141,7 @@ fn model<'a>(
         drive: Drive { speed_m_s: drive.speed_m_s, convention: settings.convention },
         layout: Layout::new(values.len(), differs(1), differs(0), clocks, channels.len()),
         channels,
+        at_m: base.at_m().to_vec(),
         data: BandData::new(drive.spectra, drive.band_hz)?,
         averages: drive.spectra.averages,
     })

@@ -4,7 +4,7 @@ use super::joint::{Joint, Search};
 use super::layout::Kind;
 use super::{Model, PhysicalDrive, Reason, uncertainty};
 use crate::identify::likelihood::{
-    Covariance, Estimate, Group, LEAST_NOISE, mean, metric_pull, misfit, residuals,
+    Covariance, Estimate, Group, LEAST_NOISE, Spectra, Whitening, mean, misfit,
 };
 use crate::linalg::CMat;
 use crate::lti::Mode;
@@ -86,6 +86,7 @@ pub(super) fn outcome(
     start: &[f64],
     found: &Search,
     drives: &[PhysicalDrive<'_>],
+    rough: bool,
 ) -> Result<PhysicalOutcome, String> {
     const INDEFINITE: &str = "the model's spectrum is not positive definite";
     let theta = &found.theta;
@@ -101,20 +102,19 @@ pub(super) fn outcome(
         .collect();
     let mut covariance = Covariance::new(&found.score.fisher, groups, EMPIRICAL);
     let mut sets = Vec::new();
-    let mut evaluations = Vec::new();
+    let mut fits = Vec::new();
     for (r, (model, drive)) in joint.models.iter().zip(drives).enumerate() {
         let local = joint.local(theta, r);
         let evaluation = model.evaluate(&local)?;
-        if let Some(first) = drive.blocks.first() {
+        let whitening = Whitening::new(&evaluation.s).ok_or(INDEFINITE)?;
+        // a search that ended early is compared by its cost: nobody reads its intervals
+        if let (Some(first), false) = (drive.blocks.first(), rough) {
             let slopes = model.slopes(&local)?;
-            let gradient = |block: &CrossSpectra| -> Option<Vec<f64>> {
-                let negative = |m: &CMat| CMat::from_fn(m.nrows(), m.ncols(), |i, j| -m[(i, j)]);
-                let change: Vec<CMat> = model.data.scaled(block).iter().map(negative).collect();
-                let pulls = metric_pull(&evaluation.s, &change, model.data.averages)?;
-                Some(model.pull(&evaluation, &slopes, &local, &pulls))
+            let gradient = |block: &CrossSpectra| -> Vec<f64> {
+                let pulls = whitening.metric_pull(&model.data.scaled(block), -model.data.averages);
+                model.pull(&evaluation, &slopes, &local, &pulls)
             };
-            let gradients: Vec<Vec<f64>> =
-                drive.blocks.iter().map(gradient).collect::<Option<_>>().ok_or(INDEFINITE)?;
+            let gradients: Vec<Vec<f64>> = drive.blocks.iter().map(gradient).collect();
             let placed = |g: Vec<f64>| {
                 let mut all = vec![0.0; joint.len()];
                 g.into_iter().enumerate().for_each(|(i, v)| all[joint.place(r, i)] = v);
@@ -122,7 +122,8 @@ pub(super) fn outcome(
             };
             sets.push((gradients.into_iter().map(placed).collect(), first.averages / model.averages));
         }
-        evaluations.push(evaluation);
+        let residual = whitening.residuals(&model.data.measured, model.data.averages);
+        fits.push((evaluation.s, residual));
     }
     if sets.len() == drives.len() {
         covariance.widen(&sets);
@@ -132,10 +133,8 @@ pub(super) fn outcome(
     let names = first.vehicle.names();
     let log = |i: usize| Estimate { value: theta[i].exp(), sd: theta[i].exp() * covariance.sd(i) };
     let mut drive_outcomes = Vec::new();
-    for (r, (model, evaluation)) in joint.models.iter().zip(&evaluations).enumerate() {
-        let residual =
-            residuals(&evaluation.s, &model.data.measured, model.data.averages).ok_or(INDEFINITE)?;
-        drive_outcomes.push(drive_outcome(joint, r, theta, &covariance, &evaluation.s, residual)?);
+    for (r, (s, residual)) in fits.into_iter().enumerate() {
+        drive_outcomes.push(drive_outcome(joint, r, theta, &covariance, &s, residual)?);
     }
     let all: Vec<f64> = drive_outcomes.iter().flat_map(|d| d.residual.iter().copied()).collect();
     let (problems, remarks) = speak(joint, found, &covariance, &modes, &names, &drive_outcomes);
@@ -158,7 +157,7 @@ fn drive_outcome(
     r: usize,
     theta: &[f64],
     covariance: &Covariance,
-    fitted: &[CMat],
+    fitted: &Spectra,
     residual: Vec<f64>,
 ) -> Result<DriveOutcome, String> {
     let model: &Model<'_> = &joint.models[r];
@@ -204,10 +203,7 @@ fn drive_outcome(
             .collect(),
         clocks,
         freq_hz: data.omega.iter().map(|w| hz(*w)).collect(),
-        fitted: fitted
-            .iter()
-            .map(|m| CMat::from_fn(m.nrows(), m.ncols(), |i, j| m[(i, j)] * (data.scale[i] * data.scale[j])))
-            .collect(),
+        fitted: fitted.matrices(&data.scale),
         chi: mean(&residual),
         residual,
     })

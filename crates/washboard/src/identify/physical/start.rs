@@ -44,10 +44,11 @@ pub(super) fn theta(
 fn level(model: &Model<'_>, theta: &[f64]) -> Result<f64, String> {
     let mut quiet = theta.to_vec();
     quiet[model.layout.noise..].iter_mut().for_each(|t| *t = f64::MIN_POSITIVE.ln());
-    let e = model.evaluate(&quiet)?;
+    let model_s = model.spectra(&quiet)?;
     let mut ratios: Vec<f64> = Vec::new();
-    for (s, m) in e.s.iter().zip(&model.data.measured) {
-        ratios.extend((0..s.nrows()).map(|i| (m[(i, i)].re / s[(i, i)].re).ln()));
+    let n = model.layout.channels;
+    for (s, m) in model_s.blocks().zip(model.data.measured.blocks()) {
+        ratios.extend((0..n).map(|i| (m[i * n + i] / s[i * n + i]).ln()));
     }
     ratios.sort_by(f64::total_cmp);
     Ok(ratios.get(ratios.len() / 2).copied().unwrap_or(0.0))

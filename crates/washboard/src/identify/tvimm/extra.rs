@@ -2,7 +2,7 @@
 
 use super::model::{FreeModel, Point, RATE};
 use super::search::Found;
-use crate::identify::likelihood::{inverse_factor, metric_pull};
+use crate::identify::likelihood::{Place, Whitening};
 use crate::linalg::{C64, CMat, Mat};
 use crate::lti::FirstOrder;
 use crate::units::rad_per_s;
@@ -28,21 +28,19 @@ pub(super) struct Candidate {
 pub(super) fn candidate(model: &FreeModel, found: &Found, band_hz: [f64; 2]) -> Option<Candidate> {
     let evaluation = &found.frame.evaluation;
     let averages = model.data.averages;
-    let pulls = residual_pulls(model, found)?;
-    let spread = model.data.spread(&pulls);
-    let from = model.data.grid()[0];
+    let shape = evaluation.grid.shape;
+    let whitening = Whitening::new(&evaluation.s)?;
+    let (_, pulls) = whitening.pulls(&model.data.measured, averages);
     // (s, QW) of each point of the grid
     let slopes: Vec<(C64, CMat)> = evaluation
         .grid
-        .iter()
-        .zip(&spread)
-        .enumerate()
-        .filter_map(|(k, (g, pull))| {
-            let g = g.as_ref()?;
-            let pg = &g.p * pull;
-            let qw = CMat::from_fn(pg.nrows(), pg.ncols(), |i, j| pg[(i, j)].conj() * g.weight[j]);
-            Some((C64::new(0.0, model.data.half_omega(from + k) / RATE), qw))
+        .pulled(&model.data, &pulls, Vec::new, |slopes, place, pulled| {
+            let n = shape.channels;
+            let qw = CMat::from_fn(shape.wheels, n, |i, j| pulled.q[i * n + j] * place.weight[j]);
+            slopes.push((C64::new(0.0, place.omega / RATE), qw));
         })
+        .into_iter()
+        .flatten()
         .collect();
     let mut places = Vec::new();
     let mut f = band_hz[0];
@@ -50,7 +48,15 @@ pub(super) fn candidate(model: &FreeModel, found: &Found, band_hz: [f64; 2]) -> 
         places.extend(DAMPINGS.map(|zeta| (f, zeta)));
         f *= RATIO;
     }
-    let inverse: Vec<CMat> = evaluation.s.iter().map(inverse_factor).collect::<Option<_>>()?;
+    let matrix =
+        |v: &[C64], rows: usize, columns: usize| CMat::from_fn(rows, columns, |i, j| v[i * columns + j]);
+    // the middle, L⁻¹ and P of each bin
+    let bins: Vec<(Place<'_>, CMat, CMat)> = (0..model.data.measured.len())
+        .filter_map(|bin| {
+            let (g, n) = (evaluation.grid.at(model.data.middle(bin))?, shape.channels);
+            Some((g, matrix(whitening.inverse(bin), n, n), matrix(g.p, shape.wheels, n)))
+        })
+        .collect();
     let tried: Vec<Option<Candidate>> = places
         .into_par_iter()
         .map(|(freq_hz, zeta)| {
@@ -73,16 +79,14 @@ pub(super) fn candidate(model: &FreeModel, found: &Found, band_hz: [f64; 2]) -> 
             let b: Vec<C64> = (0..wheels).map(|i| svd.U()[(i, 0)].conj()).collect();
             let slope = -2.0 * sigma.re;
             let mut information = 0.0;
-            for (bin, l) in inverse.iter().enumerate() {
-                let index = 2 * (model.data.first + bin) - from;
-                let Some(g) = &evaluation.grid[index] else { continue };
-                let s = C64::new(0.0, model.data.half_omega(from + index) / RATE);
+            for (g, l, p) in &bins {
+                let s = C64::new(0.0, g.omega / RATE);
                 let (near, far) = ((s - lambda).inv(), (s - lambda.conj()).inv());
                 let dh = CMat::from_fn(channels, wheels, |i, j| {
                     let r = c[i] * b[j];
                     g.weight[i] * (r * near + r.conj() * far)
                 });
-                let half = dh.conjugate() * &g.p;
+                let half = dh.conjugate() * p;
                 let ds = CMat::from_fn(channels, channels, |i, j| half[(i, j)] + half[(j, i)].conj());
                 let v = l * ds * l.adjoint();
                 information += averages * v.squared_norm_l2();
@@ -94,17 +98,6 @@ pub(super) fn candidate(model: &FreeModel, found: &Found, band_hz: [f64; 2]) -> 
         })
         .collect();
     tried.into_iter().flatten().max_by(|a, b| a.gain.total_cmp(&b.gain))
-}
-
-/// n_avg S⁻¹(S − Ŝ)S⁻¹.
-fn residual_pulls(model: &FreeModel, found: &Found) -> Option<Vec<CMat>> {
-    let s = &found.frame.evaluation.s;
-    let change: Vec<CMat> = s
-        .iter()
-        .zip(&model.data.measured)
-        .map(|(s, m)| CMat::from_fn(s.nrows(), s.ncols(), |i, j| s[(i, j)] - m[(i, j)]))
-        .collect();
-    metric_pull(s, &change, model.data.averages)
 }
 
 /// The system with two states more: x' = λx + √t b u, y += 2 Re(√t c x).

@@ -1,6 +1,9 @@
 //! The track-vehicle interaction modal model with free modes: poles, shapes and the road from spectra, no vehicle file.
 
+#[cfg(test)]
+mod derivative_tests;
 mod extra;
+mod information;
 mod model;
 mod modes;
 mod orbit;
@@ -11,7 +14,7 @@ mod search;
 
 pub use outcome::{FreeOrder, FreeOutcome, FreeTrial};
 
-use super::likelihood::{BandData, Drive, FitError, RoadValues, mean, residuals};
+use super::likelihood::{BandData, Drive, FitError, RoadValues, Whitening, mean};
 use crate::lti::FirstOrder;
 use crate::signal::CrossSpectra;
 use crate::units::Convention;
@@ -125,8 +128,8 @@ fn point(model: &FreeModel, start: &FreeStart) -> Point {
 }
 
 fn chi(model: &FreeModel, found: &Found) -> f64 {
-    residuals(&found.frame.evaluation.s, &model.data.measured, model.data.averages)
-        .map_or(f64::INFINITY, |r| mean(&r))
+    Whitening::new(&found.frame.evaluation.s)
+        .map_or(f64::INFINITY, |w| mean(&w.residuals(&model.data.measured, model.data.averages)))
 }
 
 fn trial(model: &FreeModel, name: String, found: &Found) -> FreeTrial {

@@ -1,10 +1,10 @@
 //! Spectra of a free state space on a road, and how a pull on the spectra acts on its entries.
 
 use super::orbit::Entries;
-use crate::identify::likelihood::{BandData, Drive, RoadAt, RoadValues};
-use crate::linalg::{C64, CMat, Mat, solve_complex};
+use crate::identify::likelihood::{BandData, Drive, PlaceMut, Response, Road, RoadValues, Shape, Spectra};
+use crate::linalg::small::{lu, lu_solve, lu_solve_transposed, real_product};
+use crate::linalg::{C64, Mat};
 use crate::lti::FirstOrder;
-use rayon::prelude::*;
 
 /// Time is counted in 1/20 s, so that a car's poles are of size 1.
 pub(super) const RATE: f64 = 20.0;
@@ -29,148 +29,121 @@ pub(super) struct FreeModel {
     pub planes: Vec<[f64; 3]>,
 }
 
-/// The model at one half bin.
-pub(super) struct GridPoint {
-    /// (sI − A)⁻¹B (states × wheels).
-    pub x: CMat,
-    /// Weighted C(sI − A)⁻¹ (channels × states).
-    pub y: CMat,
-    /// S_r Hᵀ (wheels × channels).
-    pub p: CMat,
-    /// The channels' weights (iω)^d/scale.
-    pub weight: Vec<C64>,
-    pub road: RoadAt,
-    /// H (channels × wheels).
-    pub h: CMat,
-}
-
 /// The model everywhere.
 pub(super) struct Evaluation {
-    /// None at ω = 0.
-    pub grid: Vec<Option<GridPoint>>,
+    /// The parts of the derivatives, on the grid: G = (sI − A)⁻¹.
+    pub grid: Response,
     /// Spectra at the bins, window and noise included.
-    pub s: Vec<CMat>,
+    pub s: Spectra,
+}
+
+/// A system's matrices, row after row.
+struct Flat {
+    a: Vec<f64>,
+    b: Vec<f64>,
+    c: Vec<f64>,
+}
+
+impl Flat {
+    fn new(system: &FirstOrder) -> Self {
+        let flat = |a: &Mat| (0..a.nrows() * a.ncols()).map(|k| a[(k / a.ncols(), k % a.ncols())]).collect();
+        Flat { a: flat(&system.a), b: flat(&system.b), c: flat(&system.c) }
+    }
 }
 
 impl FreeModel {
     /// Spectra, and the parts that their derivatives are made of.
     pub fn evaluate(&self, at: &Point) -> Option<Evaluation> {
-        let [from, last] = self.data.grid();
-        let grid: Vec<Option<GridPoint>> = (from..=last)
-            .into_par_iter()
-            .map(|index| match index {
-                0 => Some(None),
-                _ => self.at(at, self.data.half_omega(index)).map(Some),
-            })
-            .collect::<Option<_>>()?;
-        Some(Evaluation { s: self.spectra(&grid, at), grid })
+        let (shape, flat) = (self.shape(at), Flat::new(&at.system));
+        let solve = |omega: f64, place: PlaceMut<'_>| self.solve(shape, &flat, omega, place);
+        let (s, grid) = Response::new(&self.data, shape, &self.road(at), &noise(at), solve)?;
+        Some(Evaluation { grid, s })
     }
 
-    fn spectra(&self, grid: &[Option<GridPoint>], at: &Point) -> Vec<CMat> {
-        let n = self.derivatives.len();
-        let flat: Vec<Vec<C64>> = grid
-            .par_iter()
-            .map(|g| match g {
-                None => vec![C64::new(0.0, 0.0); n * n],
-                Some(g) => {
-                    let s = g.h.conjugate() * &g.p;
-                    (0..n * n).map(|k| s[(k / n, k % n)]).collect()
-                }
-            })
-            .collect();
-        self.data
-            .convolve(&flat)
-            .into_iter()
-            .map(|block| {
-                CMat::from_fn(n, n, |i, j| {
-                    let noise = if i == j { at.ln_noise[i].exp() } else { 0.0 };
-                    block[i * n + j] + C64::new(noise, 0.0)
-                })
-            })
-            .collect()
+    /// Spectra alone.
+    pub fn spectra(&self, at: &Point) -> Option<Spectra> {
+        let (shape, flat) = (self.shape(at), Flat::new(&at.system));
+        let solve = |omega: f64, place: PlaceMut<'_>| self.solve(shape, &flat, omega, place);
+        Response::spectra(&self.data, shape, &self.road(at), &noise(at), solve)
     }
 
-    fn at(&self, at: &Point, omega: f64) -> Option<GridPoint> {
-        let (system, n) = (&at.system, at.system.order());
-        let s = C64::new(0.0, omega / RATE);
-        let resolvent = CMat::from_fn(n, n, |i, j| {
-            let diagonal = if i == j { s } else { C64::new(0.0, 0.0) };
-            diagonal - C64::new(system.a[(i, j)], 0.0)
-        });
-        let complex = |m: &Mat| CMat::from_fn(m.nrows(), m.ncols(), |i, j| C64::new(m[(i, j)], 0.0));
-        let x = solve_complex(&resolvent, &complex(&system.b)).ok()?;
-        let turned = CMat::from_fn(n, n, |i, j| resolvent[(j, i)]);
-        let c = &system.c;
-        let y = solve_complex(&turned, &CMat::from_fn(n, c.nrows(), |i, j| C64::new(c[(j, i)], 0.0))).ok()?;
-        let weight: Vec<C64> = (0..c.nrows())
-            .map(|i| C64::new(0.0, omega).powu(self.derivatives[i] as u32) / self.data.scale[i])
-            .collect();
-        let y = CMat::from_fn(c.nrows(), n, |i, j| weight[i] * y[(j, i)]);
-        let h = complex(c) * &x;
-        let h = CMat::from_fn(h.nrows(), h.ncols(), |i, j| weight[i] * h[(i, j)]);
-        let road = RoadAt::new(self.drive, &at.road, &self.at_m, omega);
-        let p = &road.s * h.transpose();
-        Some(GridPoint { x, y, p, weight, road, h })
+    /// The road under the wheels.
+    pub fn road(&self, at: &Point) -> Road<'_> {
+        Road::new(self.drive, at.road, &self.at_m)
     }
 
-    /// The gradient of Σ_k tr(G_k S_k) by the entries of [A B; C 0], then by ln S₀, e, ln μ, ln delay.
+    fn shape(&self, at: &Point) -> Shape {
+        Shape { channels: self.derivatives.len(), wheels: self.at_m.len(), states: at.system.order() }
+    }
+
+    /// X = (sI − A)⁻¹B, Y = W C(sI − A)⁻¹, H = W C X, with W_i = (iω)^d/scale.
+    fn solve(&self, shape: Shape, system: &Flat, omega: f64, place: PlaceMut<'_>) -> bool {
+        let Shape { channels: n, wheels, states } = shape;
+        let PlaceMut { x, y, h, weight, matrix, turned, pivots } = place;
+        matrix.iter_mut().zip(&system.a).for_each(|(z, a)| *z = C64::new(-a, 0.0));
+        (0..states).for_each(|i| matrix[i * states + i].im = omega / RATE);
+        if !lu(matrix, pivots) {
+            return false;
+        }
+        x.iter_mut().zip(&system.b).for_each(|(x, b)| *x = C64::new(*b, 0.0));
+        lu_solve(matrix, pivots, x, wheels);
+        for (i, w) in weight.iter_mut().enumerate() {
+            *w = C64::new(0.0, omega).powu(self.derivatives[i] as u32) / self.data.scale[i];
+        }
+        real_product(h, [n, states, wheels], &system.c, x);
+        h.chunks_exact_mut(wheels).zip(&*weight).for_each(|(row, w)| row.iter_mut().for_each(|v| *v *= w));
+        if let Some(y) = y {
+            for j in 0..states {
+                (0..n).for_each(|i| turned[j * n + i] = C64::new(system.c[i * states + j], 0.0));
+            }
+            lu_solve_transposed(matrix, pivots, turned, n);
+            for i in 0..n {
+                (0..states).for_each(|j| y[i * states + j] = weight[i] * turned[j * n + i]);
+            }
+        }
+        true
+    }
+
+    /// The gradient of Σ_k tr(G_k S_k) by the entries of [A B; C 0], then by ln S₀, e, ln μ, ln delay, ln noise.
     ///
     /// With G on the grid and Q = (P G)*: 2 Re tr(dH Q), dH = W dC X + Y(dA X + dB).
-    pub fn pull(&self, evaluation: &Evaluation, bins: &[CMat]) -> Vec<f64> {
-        let spread = self.data.spread(bins);
-        let (n, wheels) = (self.derivatives.len(), self.at_m.len());
-        let states = evaluation.grid.iter().flatten().next().map_or(0, |g| g.x.nrows());
-        let e = Entries { states, inputs: wheels, outputs: n };
-        let parts: Vec<Vec<f64>> = evaluation
-            .grid
-            .par_iter()
-            .zip(&spread)
-            .filter_map(|(g, pull)| g.as_ref().map(|g| (g, pull)))
-            .map(|(g, pull)| {
-                let pg = &g.p * pull;
-                let q = pg.conjugate();
-                let qy = q * &g.y; // wheels × states
-                let xq = &g.x * q; // states × channels
-                let xqy = &g.x * &qy; // states × states
-                let mut out = vec![0.0; e.len() + 4];
+    pub fn pull(&self, evaluation: &Evaluation, at: &Point, bins: &Spectra) -> Vec<f64> {
+        let Shape { channels: n, wheels, states } = evaluation.grid.shape;
+        let (e, road) = (Entries { states, inputs: wheels, outputs: n }, self.road(at));
+        let size = e.len() + 4;
+        let parts = evaluation.grid.pulled(
+            &self.data,
+            bins,
+            || vec![0.0; size],
+            |sum, place, pulled| {
                 for i in 0..states {
+                    let row = &mut sum[e.row(i).0..];
                     for j in 0..states {
-                        out[e.at(i, j)] = 2.0 * xqy[(j, i)].re;
+                        row[j] += 2.0 * pulled.xqy[j * states + i].re;
                     }
                     for w in 0..wheels {
-                        out[e.at(i, states + w)] = 2.0 * qy[(w, i)].re;
+                        row[states + w] += 2.0 * pulled.qy[w * states + i].re;
                     }
                 }
                 for c in 0..n {
+                    let row = &mut sum[e.row(states + c).0..];
                     for j in 0..states {
-                        out[e.at(states + c, j)] = 2.0 * (xq[(j, c)] * g.weight[c]).re;
+                        row[j] += 2.0 * (pulled.xq[j * n + c] * place.weight[c]).re;
                     }
                 }
-                // tr(G dS) of S = H* S_r Hᵀ: tr(Hᵀ G H* dS_r)
-                let inner = g.h.transpose() * pull * g.h.conjugate();
-                let trace = |d: &CMat| -> f64 {
-                    let mut sum = 0.0;
-                    for i in 0..wheels {
-                        for j in 0..wheels {
-                            let z: C64 = inner[(i, j)] * d[(j, i)];
-                            sum += z.re;
-                        }
-                    }
-                    sum
-                };
-                let level = trace(&g.road.s);
-                let tail = e.len();
-                out[tail] = level;
-                out[tail + 1] = -g.road.ln_nu * level;
-                out[tail + 2] = trace(&g.road.by_mu);
-                out[tail + 3] = trace(&g.road.by_delay);
-                out
-            })
-            .collect();
-        let mut sum = vec![0.0; e.len() + 4];
+                let slopes = road.slopes(place.omega, place.road, &pulled.through);
+                sum[e.len()..].iter_mut().zip(slopes).for_each(|(s, v)| *s += v);
+            },
+        );
+        let mut sum = vec![0.0; size];
         for part in &parts {
             sum.iter_mut().zip(part).for_each(|(s, p)| *s += p);
         }
+        sum.extend((0..n).map(|c| bins.diagonal_sum(c) * at.ln_noise[c].exp()));
         sum
     }
+}
+
+fn noise(at: &Point) -> Vec<f64> {
+    at.ln_noise.iter().map(|v| v.exp()).collect()
 }

@@ -7,7 +7,7 @@ use super::order::Chosen;
 use super::score::{self, PLANE_SD};
 use super::search::{Found, Stage, in_seconds};
 use crate::identify::likelihood::{
-    Covariance, Estimate, Group, LEAST_NOISE, Reason, mean, metric_pull, misfit, residuals,
+    Covariance, Estimate, Group, LEAST_NOISE, Reason, Whitening, mean, misfit,
 };
 use crate::linalg::CMat;
 use crate::lti::{FirstOrder, Mode, ModeKind};
@@ -115,7 +115,7 @@ pub(super) fn outcome(
     let covariance = covariance(model, drive, found);
     let modes = modes::modes(&found.at.system, &found.frame.basis, &covariance).map_err(|e| e.to_string())?;
     let s = &found.frame.evaluation.s;
-    let residual = residuals(s, &model.data.measured, model.data.averages).ok_or(INDEFINITE)?;
+    let residual = Whitening::new(s).ok_or(INDEFINITE)?.residuals(&model.data.measured, model.data.averages);
     let static_spread = static_spread(model, found).ok_or("the response has a pole at zero")?;
     let (problems, remarks) = speak(model, chosen, &modes, &residual, static_spread, &trials);
     let log = |i: usize, v: f64| Estimate { value: v, sd: v * covariance.sd(free + i) };
@@ -141,7 +141,7 @@ pub(super) fn outcome(
             })
             .collect(),
         freq_hz: model.data.omega.iter().map(|w| hz(*w)).collect(),
-        fitted: s.iter().map(|m| CMat::from_fn(n, n, |i, j| m[(i, j)] * (scale[i] * scale[j]))).collect(),
+        fitted: s.matrices(scale),
         chi: mean(&residual),
         residual,
         cost: found.score.cost,
@@ -170,23 +170,13 @@ fn covariance(model: &FreeModel, drive: &FreeDrive<'_>, found: &Found) -> Covari
         })
         .collect();
     let mut covariance = Covariance::new(&found.score.fisher, groups, EMPIRICAL);
-    if let Some(first) = drive.blocks.first() {
-        let gradients = drive
-            .blocks
-            .iter()
-            .filter_map(|block| {
-                let change: Vec<CMat> =
-                    model.data.scaled(block).iter().map(|m| CMat::from_fn(n, n, |i, j| -m[(i, j)])).collect();
-                let pulls = metric_pull(&found.frame.evaluation.s, &change, model.data.averages)?;
-                let mut full = model.pull(&found.frame.evaluation, &pulls);
-                full.extend(
-                    (0..n).map(|c| {
-                        pulls.iter().map(|g| g[(c, c)].re).sum::<f64>() * found.at.ln_noise[c].exp()
-                    }),
-                );
-                Some(Stage::project(&found.frame, &full))
-            })
-            .collect();
+    let evaluation = &found.frame.evaluation;
+    if let (Some(first), Some(whitening)) = (drive.blocks.first(), Whitening::new(&evaluation.s)) {
+        let gradient = |block| {
+            let pulls = whitening.metric_pull(&model.data.scaled(block), -model.data.averages);
+            Stage::project(&found.frame, &model.pull(evaluation, &found.at, &pulls))
+        };
+        let gradients = drive.blocks.iter().map(gradient).collect();
         covariance.widen(&[(gradients, first.averages / drive.spectra.averages)]);
     }
     covariance

@@ -4,9 +4,9 @@ use super::model::{Evaluation, FreeModel, Point, RATE};
 use super::orbit::{Entries, complement};
 use super::score;
 use crate::identify::likelihood::{
-    End, LEAST_NOISE, Problem, RoadValues, Score, Stop, descend, mean, residuals,
+    End, LEAST_NOISE, Problem, RoadValues, Score, Spectra, Stop, Whitening, descend, mean,
 };
-use crate::linalg::{C64, CMat, Mat};
+use crate::linalg::Mat;
 use crate::lti::FirstOrder;
 
 /// While noise is raised, e stays within this of 2 and ln μ within that of its start.
@@ -38,7 +38,7 @@ const PROMISING: f64 = 0.8;
 /// One level of raised noise.
 pub(super) struct Stage<'m> {
     pub model: &'m FreeModel,
-    measured: Vec<CMat>,
+    measured: Spectra,
     limits: [[f64; 2]; 4],
 }
 
@@ -105,8 +105,8 @@ pub(super) fn search(model: &FreeModel, start: &Point, annealing: &[f64], patien
 }
 
 fn promising(model: &FreeModel, end: &End<Stage<'_>>) -> bool {
-    residuals(&end.frame.evaluation.s, &model.data.measured, model.data.averages)
-        .is_some_and(|r| mean(&r) < PROMISING)
+    Whitening::new(&end.frame.evaluation.s)
+        .is_some_and(|w| mean(&w.residuals(&model.data.measured, model.data.averages)) < PROMISING)
 }
 
 /// What a point looks like, without a step.
@@ -117,13 +117,9 @@ pub(super) fn look(model: &FreeModel, at: &Point) -> Option<Found> {
     Some(Found { at: at.clone(), score, frame, decrement, converged, steps: 0, evaluations: 1 })
 }
 
-fn raised(model: &FreeModel, share: f64) -> Vec<CMat> {
-    let added = |m: &CMat| {
-        CMat::from_fn(m.nrows(), m.ncols(), |i, j| {
-            m[(i, j)] + C64::new(if i == j { share * model.data.noise[i] } else { 0.0 }, 0.0)
-        })
-    };
-    model.data.measured.iter().map(added).collect()
+fn raised(model: &FreeModel, share: f64) -> Spectra {
+    let more: Vec<f64> = model.data.noise.iter().map(|v| share * v).collect();
+    model.data.measured.raised(&more)
 }
 
 fn limits(model: &FreeModel, start: &RoadValues, held: bool) -> [[f64; 2]; 4] {
@@ -150,10 +146,8 @@ impl Stage<'_> {
         RoadValues { ln_s0: x[0], exponent: x[1], mu: x[2].exp(), ln_delay: x[3] }
     }
 
-    /// The cost of a system that is stable.
-    fn evaluate(&self, at: &Point) -> Option<Evaluation> {
-        let stable = at.system.poles().ok()?.iter().all(|p| p.re < 0.0);
-        if stable { self.model.evaluate(at) } else { None }
+    fn stable(at: &Point) -> bool {
+        at.system.poles().is_ok_and(|poles| poles.iter().all(|p| p.re < 0.0))
     }
 
     /// From gradients by entries, road and noise to one in local coordinates.
@@ -169,10 +163,13 @@ impl Problem for Stage<'_> {
     type Frame = Frame;
 
     fn look(&self, at: &Point) -> Option<(Score, Frame)> {
-        let evaluation = self.evaluate(at)?;
-        let full = score::full(self.model, &evaluation, &self.measured, at)?;
+        let evaluation = Self::stable(at).then(|| self.model.evaluate(at))??;
         let entries = Entries::of(&at.system);
-        let basis = complement(&at.system).ok()?;
+        let (full, basis) = rayon::join(
+            || score::full(self.model, &evaluation, &self.measured, at),
+            || complement(&at.system).ok(),
+        );
+        let (full, basis) = (full?, basis?);
         let (e, free, p) = (entries.len(), basis.ncols(), full.gradient.len());
         let diagonal = (0..e).map(|i| full.fisher[(i, i)]).collect();
         let wide = basis.transpose() * full.fisher.submatrix(0, 0, e, p);
@@ -190,7 +187,8 @@ impl Problem for Stage<'_> {
     }
 
     fn cost(&self, at: &Point) -> Option<f64> {
-        score::cost(self.model, &self.evaluate(at)?, &self.measured, at)
+        let s = Self::stable(at).then(|| self.model.spectra(at))??;
+        score::cost(self.model, &s, &self.measured, at)
     }
 
     fn free(&self, at: &Point, score: &Score) -> Vec<usize> {
