@@ -8,8 +8,8 @@ use rayon::prelude::*;
 
 /// This much (of channels scaled to a mean density of 1) is added to the measured spectra's diagonals and is the least of
 /// the model's floors: two tracks give spectra of rank two, and without any noise the rest is leakage that no model
-/// knows. Sensors that are 0.1 % noisy have as much of their own.
-pub(crate) const LEAST_NOISE: f64 = 1e-6;
+/// knows. Sensors that are 0.7 % noisy at 200 Hz have as much of their own.
+pub(crate) const LEAST_NOISE: f64 = 1e-5;
 /// Bins that the band must have.
 const LEAST_BINS: usize = 12;
 /// Noise floors start from the median of these frequencies, Hz.
