@@ -246,7 +246,6 @@ fn usage_errors_leave_standard_output_empty() {
         assert!(!ran.stderr.is_empty());
     }
     assert!(folder.ok("--help").contains("identify"));
-    folder.wrong("identify RUN.toml --method tvimm", &["tvimm", "not there yet"]);
 }
 
 #[test]

@@ -6,6 +6,7 @@ use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use washboard::cases;
 use washboard::lti::{Mode, Parametric};
+use washboard::road::{CoherenceSpec, Road, RoadSpec};
 use washboard::signal::{Channel, Direction, Place, Quantity, WheelPlace};
 use washboard::study::{IdentifiedMode, IdentifyMethod, IdentifyOutcome, IdentifySpec};
 use washboard::vehicle::{Axle, Flaws, FullCar, LeftRight, ParametricVehicle, VehicleSpec};
@@ -295,4 +296,53 @@ pub fn with_engine(spec: &VehicleSpec, mass_kg: f64, freq_hz: f64, at_m: [f64; 2
         actuator: Vec::new(),
     };
     VehicleSpec::from(matrices)
+}
+
+/// A level of classes A to E (m³ at 1 rad/m), an exponent, a μ.
+pub fn road_values(rng: &mut ChaCha8Rng) -> (f64, f64, f64) {
+    let level = 1e-6 * 4f64.powi(rng.random_range(0..5));
+    (level, rng.random_range(1.7..=2.5), rng.random_range(2.0..=8.0))
+}
+
+/// A power law in the band of ISO 8608 with Bogsjö's coherence.
+pub fn road(level: f64, exponent: f64, mu: f64) -> Road {
+    let spec = RoadSpec {
+        roughness_m3: Some(level),
+        exponent: Some(exponent),
+        coherence: Some(CoherenceSpec::bogsjo(mu)),
+        band_rad_per_m: Some([0.063, 17.77]),
+        ..RoadSpec::default()
+    };
+    spec.build().unwrap()
+}
+
+/// What of a result is further off than 3 standard deviations and `slack` (of itself; points for ζ and e).
+pub fn wrong(
+    found: &IdentifyOutcome,
+    truth: &[(Mode, String)],
+    s0: f64,
+    e: f64,
+    mu: f64,
+    slack: f64,
+) -> Vec<String> {
+    let mut off = Vec::new();
+    let mut check = |what: String, value: f64, truth: f64, sd: f64, slack: f64| {
+        if !((value - truth).abs() <= 3.0 * sd + slack) {
+            off.push(format!("{what} {value:.5} for {truth:.5} ± {sd:.5}"));
+        }
+    };
+    for m in &found.modes {
+        let near = |t: &&(Mode, String)| (m.pole[0] - t.0.pole.re).hypot(m.pole[1] - t.0.pole.im);
+        let Some((t, label)) = truth.iter().min_by(|a, b| near(a).total_cmp(&near(b))) else { continue };
+        check(format!("f {label}"), m.freq_hz, t.freq_hz, m.freq_sd_hz.unwrap(), slack * t.freq_hz);
+        check(format!("zeta {label}"), m.damping, t.damping, m.damping_sd.unwrap(), slack);
+    }
+    if let Some(r) = &found.road {
+        check("S0".into(), r.roughness_m3, s0, r.roughness_sd_m3, slack * s0);
+        check("e".into(), r.exponent, e, r.exponent_sd, slack);
+    }
+    if let Some(c) = &found.coherence {
+        check("mu".into(), c.mu, mu, c.mu_sd, slack * mu);
+    }
+    off
 }

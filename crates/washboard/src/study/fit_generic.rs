@@ -11,6 +11,8 @@ use crate::vehicle::{GenericStart, ParametricVehicle, Symmetry};
 
 /// Both symmetries are polished where their rough costs differ by less than so many thresholds.
 const CLEAR: f64 = 5.0;
+/// A part that may be absent and is below this share of its start has all but vanished.
+const VANISHED: f64 = 0.05;
 
 /// What was found without a file.
 pub(super) struct GenericFit {
@@ -76,9 +78,16 @@ pub(super) fn fit_generic(drives: &[Drive<'_>], known: &[(String, f64)]) -> Resu
             Ok(_) => drives::cannot_start(&crate::identify::FitError::NoDrive),
         });
     };
-    let fine = |families: &Families, rough: &PhysicalOutcome| {
-        fit(drives, families, Some(&values(rough)), &settings(&ANNEALING_NONE, Some(roads(rough)), false))
-            .map_err(|e| drives::cannot_start(&e))
+    let fine = |families: &Families, rough: &PhysicalOutcome| -> Result<PhysicalOutcome, StudyError> {
+        let polished = |start: &[f64], rough: &PhysicalOutcome| {
+            fit(drives, families, Some(start), &settings(&ANNEALING_NONE, Some(roads(rough)), false))
+                .map_err(|e| drives::cannot_start(&e))
+        };
+        let first = polished(&values(rough), rough)?;
+        // the logarithm of a part that has all but vanished is flat: whether it is absent shows from a start that has it
+        let Some(revived) = revived(&families[0].0, &values(&first)) else { return Ok(first) };
+        let second = polished(&revived, &first)?;
+        Ok(if second.cost < first.cost { second } else { first })
     };
     let asymmetric: Families = symmetric
         .iter()
@@ -100,11 +109,15 @@ pub(super) fn fit_generic(drives: &[Drive<'_>], known: &[(String, f64)]) -> Resu
     if more == 0 {
         return only_symmetric(symmetric, None);
     }
-    let rough_asymmetric =
-        match fit(drives, &asymmetric, None, &settings(&ANNEALING_NEAR, Some(roads(&rough)), true)) {
-            Ok(found) => found,
-            Err(_) => return only_symmetric(symmetric, None),
-        };
+    let from = |annealing: &[f64]| {
+        fit(drives, &asymmetric, None, &settings(annealing, Some(roads(&rough)), true)).ok()
+    };
+    let mut rough_asymmetric = from(&ANNEALING_NEAR);
+    if rough_asymmetric.as_ref().is_none_or(|found| found.cost > rough.cost) {
+        // more freedom can't explain less: the annealing led astray
+        rough_asymmetric = from(&ANNEALING_NONE).or(rough_asymmetric);
+    }
+    let Some(rough_asymmetric) = rough_asymmetric else { return only_symmetric(symmetric, None) };
     let needed = threshold(more);
     let rough_gain = 2.0 * (rough.cost - rough_asymmetric.cost);
     if rough_gain > CLEAR * needed {
@@ -151,6 +164,15 @@ fn sane(family: &ParametricVehicle, values: &[f64]) -> Vec<f64> {
             if may_vanish[i] && !inside { start[i] } else { values[i] }
         })
         .collect()
+}
+
+/// Values with the parts that have all but vanished back at where they began; None where none has.
+fn revived(family: &ParametricVehicle, values: &[f64]) -> Option<Vec<f64>> {
+    let (start, may_vanish) = (family.start(), family.may_vanish());
+    let gone = |i: usize| may_vanish[i] && values[i] < VANISHED * start[i];
+    (0..values.len())
+        .any(gone)
+        .then(|| (0..values.len()).map(|i| if gone(i) { start[i] } else { values[i] }).collect())
 }
 
 pub(super) fn values(found: &PhysicalOutcome) -> Vec<f64> {

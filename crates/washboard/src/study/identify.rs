@@ -3,7 +3,7 @@
 use super::identify_outcome::{ChannelSummary, Flag, IdentifyOutcome, RecordingSummary};
 use super::{
     IdentifyMethod, IdentifySpec, Input, StudyError, identify_operational, identify_physical, identify_tvimm,
-    load_vehicle, spectra_plot, speed_parts,
+    input_checks, load_vehicle, spectra_plot, speed_parts,
 };
 use crate::files::FileError;
 use crate::identify::{LineSettings, spectral_lines};
@@ -110,13 +110,8 @@ pub fn identify_recordings(
     vehicle: Option<(&str, &VehicleSpec)>,
     spec: &IdentifySpec,
 ) -> Result<(IdentifyOutcome, Files), StudyError> {
-    if !spec.known.is_empty() && !matches!(spec.method, IdentifyMethod::Physical | IdentifyMethod::Tvimm) {
-        return Err(StudyError::Setting {
-            field: "known",
-            expected: "method physical or tvimm: the others know no vehicle".into(),
-            found: spec.method.name().into(),
-        });
-    }
+    input_checks::known(spec)?;
+    input_checks::different(recordings)?;
     let (mut parts, mut flags, mut notes) = (Vec::new(), Vec::new(), Vec::new());
     for (name, recording) in recordings {
         let several = if recordings.len() > 1 { name.as_str() } else { "" };
@@ -146,6 +141,7 @@ pub fn identify_recordings(
             (IdentifyOutcome { runs, ..done.remove(0) }, Vec::new())
         }
     };
+    outcome.flags.extend(input_checks::suspicious(recordings));
     outcome.flags.extend(no_speed(first));
     outcome.flags.extend(flags);
     outcome.notes.extend(notes);

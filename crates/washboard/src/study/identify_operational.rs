@@ -67,7 +67,7 @@ pub(super) fn run(
     if task.recording.speed_m_s().is_some() {
         let text =
             "this method assumes white, uncorrelated forces; a road's are neither, and its frequencies and \
-                    dampings of a vehicle may be off by ten per cent and by several points"
+                    dampings of a vehicle may be off by ten per cent and by several points, modes may be missing, and bumps that the road makes may stand among them"
                 .to_owned();
         outcome.flags.push(Flag { name: "classical".into(), text });
     }

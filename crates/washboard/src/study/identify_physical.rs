@@ -17,6 +17,9 @@ use crate::vehicle::{Model, ParametricVehicle, Vehicle, VehicleError, VehicleSpe
 const WHEEL_TOLERANCE_M: f64 = 0.25;
 /// Wheelbases of the recording and of the vehicle file may differ by this share.
 const WHEELBASE_TOLERANCE: f64 = 0.02;
+/// Longer and wider than any road vehicle, m.
+const LONGEST_M: f64 = 30.0;
+const WIDEST_M: f64 = 5.0;
 /// Wheels of several recordings of one vehicle agree to this.
 const SAME_WHEEL_M: f64 = 0.02;
 
@@ -117,6 +120,8 @@ pub(super) fn recordings(
                 expected: "wheels that a body stands on".into(),
                 found,
             })?;
+            check_places(task)?;
+            check_wheelbase(task, &generic)?;
             &generic
         };
         let (usable, left_out) =
@@ -268,6 +273,22 @@ pub(super) fn modes(found: &PhysicalOutcome, vehicle: &Vehicle, shapes: bool) ->
         .collect()
 }
 
+/// Places that no vehicle has: a unit that is wrong shows here.
+fn check_places(task: &Task<'_>) -> Result<(), StudyError> {
+    for (axis, what, most) in [(0, "a wheelbase", LONGEST_M), (1, "a track", WIDEST_M)] {
+        let at = task.recording.wheels().iter().map(|w| w.at_m[axis]);
+        let extent = at.clone().fold(f64::NEG_INFINITY, f64::max) - at.fold(f64::INFINITY, f64::min);
+        if extent > most {
+            return Err(StudyError::Setting {
+                field: "wheel.at_m",
+                expected: format!("{what} of at most {most} m: places are in m"),
+                found: format!("{extent} m"),
+            });
+        }
+    }
+    Ok(())
+}
+
 /// Delays come from the vehicle's wheelbase: a recording that says another one is of another car.
 fn check_wheelbase(task: &Task<'_>, vehicle: &Vehicle) -> Result<(), StudyError> {
     let extent = |x: Vec<f64>| {
@@ -283,7 +304,7 @@ fn check_wheelbase(task: &Task<'_>, vehicle: &Vehicle) -> Result<(), StudyError>
             return Err(StudyError::Setting {
                 field: "wheel.at_m",
                 expected: format!(
-                    "wheel `{}` at {known:.3?} m from the c.g., as in the vehicle file",
+                    "wheel `{}` at {known:.3?} m from the c.g., as its name says or the vehicle file has it",
                     wheel.name
                 ),
                 found: format!("{at:.3?} m"),
@@ -372,7 +393,10 @@ fn notes(fitted: &Fitted<'_>, from_file: bool, known: &[(String, f64)]) -> Vec<F
     }
     if let Some((_, Some(sides))) = &fitted.generic {
         let Sides { gain, needed, differ } = sides;
-        let text = if *differ {
+        let text = if *gain < 0.0 {
+            "left and right are taken as alike: the search with sides that differ found nothing as good"
+                .to_owned()
+        } else if *differ {
             format!(
                 "left and right differ: the likelihood gains {gain:.0} by it, where chance gives {needed:.0} at most"
             )

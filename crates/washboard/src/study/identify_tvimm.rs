@@ -12,7 +12,7 @@ use super::parts::{self, RoadEstimate};
 use super::{IdentifyMethod, StudyError, shape_points};
 use crate::identify::{FitError, FreeDrive, FreeOutcome, FreeStart, fit_free_modes};
 use crate::linalg::{C64, CMat, eigen, solve_complex};
-use crate::lti::{FirstOrder, Mode, ModeKind, Parametric};
+use crate::lti::{FirstOrder, Mode, ModeKind, Parametric, WheeledSystem};
 use crate::signal::{Channel, Direction, Place, Quantity};
 use crate::vehicle::{GenericStart, ParametricVehicle, Response, Symmetry, VehicleSpec, WheelRow};
 
@@ -128,13 +128,13 @@ fn no_start(found: &str) -> StudyError {
     }
 }
 
-/// The physical fit's answer, and a generic car that knows nothing.
+/// The physical fit's answer, and generic cars that know nothing.
 fn starts(fitted: &Fitted<'_>, from_file: bool) -> Result<Vec<FreeStart>, StudyError> {
     let drive = &fitted.drives[0];
     let road = &fitted.found.drives[0];
     let (exponent, mu) = (road.exponent.value, road.mu.map(|m| m.value));
     let physical = fitted.families[0].0.system(&values(&fitted.found)).map_err(|e| no_start(&e))?;
-    let of = |wheeled| FirstOrder::of_wheeled(wheeled).map_err(|e| no_start(&e.to_string()));
+    let of = |wheeled: &WheeledSystem| FirstOrder::of_wheeled(wheeled).map_err(|e| no_start(&e.to_string()));
     let mut starts = vec![FreeStart {
         name: if from_file { "the physical fit from the file" } else { "the physical fit" }.into(),
         far: !fitted.found.problems.is_empty(),
@@ -144,24 +144,23 @@ fn starts(fitted: &Fitted<'_>, from_file: bool) -> Result<Vec<FreeStart>, StudyE
         mu,
     }];
     let recording = drive.task.recording;
-    let (generic, _) = ParametricVehicle::generic(
-        &GenericStart::ALL[0],
-        Symmetry::Symmetric,
-        recording.channels(),
-        recording.wheels(),
-        &[],
-    )
-    .map_err(|source| StudyError::Vehicle { name: "a generic vehicle".into(), source })?;
-    let generic = generic.system(&generic.start()).map_err(|e| no_start(&e))?;
-    if generic.at_m().len() == physical.at_m().len() {
-        starts.push(FreeStart {
-            name: "a generic car".into(),
-            far: true,
-            system: of(&generic)?,
-            roughness_m3: road.roughness_m3.value,
-            exponent: 2.0,
-            mu: mu.map(|_| 4.0),
-        });
+    for (start, name) in
+        GenericStart::ALL.iter().zip(["a generic car", "a stiffer generic car", "a softer generic car"])
+    {
+        let (channels, wheels) = (recording.channels(), recording.wheels());
+        let (generic, _) = ParametricVehicle::generic(start, Symmetry::Symmetric, channels, wheels, &[])
+            .map_err(|source| StudyError::Vehicle { name: "a generic vehicle".into(), source })?;
+        let generic = generic.system(&generic.start()).map_err(|e| no_start(&e))?;
+        if generic.at_m().len() == physical.at_m().len() {
+            starts.push(FreeStart {
+                name: name.into(),
+                far: true,
+                system: of(&generic)?,
+                roughness_m3: road.roughness_m3.value,
+                exponent: 2.0,
+                mu: mu.map(|_| 4.0),
+            });
+        }
     }
     Ok(starts)
 }

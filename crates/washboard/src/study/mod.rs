@@ -17,6 +17,7 @@ mod identify_operational;
 mod identify_outcome;
 mod identify_physical;
 mod identify_tvimm;
+mod input_checks;
 mod load;
 mod modes;
 mod named;

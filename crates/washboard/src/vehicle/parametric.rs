@@ -79,6 +79,10 @@ impl Field {
         MAY_VANISH.iter().any(|name| self.path.iter().any(|p| p == name))
     }
 
+    fn is_one_side(&self) -> bool {
+        self.path.last().is_some_and(|p| p.parse::<usize>().is_ok())
+    }
+
     fn is_lateral(&self) -> bool {
         self.path[..] == [CG_LEFT.to_owned()]
     }
@@ -349,8 +353,9 @@ impl Parametric for ParametricVehicle {
             .collect()
     }
 
+    /// Of the whole vehicle or an axle; a part that only one side lacks is a search gone astray.
     fn may_vanish(&self) -> Vec<bool> {
-        self.fields.iter().map(Field::may_vanish).collect()
+        self.fields.iter().map(|f| f.may_vanish() && !f.is_one_side()).collect()
     }
 
     fn system(&self, values: &[f64]) -> Result<WheeledSystem, String> {

@@ -24,14 +24,14 @@ const LN_MU: [f64; 2] = [-4.6, 4.6];
 const LN_DELAY: f64 = 0.2;
 /// A clock is not further off than this, s.
 const CLOCK_S: f64 = 0.2;
-/// Converged: a step gains less than this, and the Newton decrement is below that.
+/// Converged: a step gains less than this, and the Newton decrement is below that (a fifth of a standard deviation).
 const GAIN: f64 = 1e-3;
-const DECREMENT: f64 = 0.01;
+const DECREMENT: f64 = 0.05;
 /// The same while noise is raised.
 const ROUGH_GAIN: f64 = 0.1;
 const ROUGH_DECREMENT: f64 = 1.0;
-/// Steps while noise is raised, and at the real noise.
-const MAX_STEPS: [usize; 2] = [40, 120];
+/// Steps while noise is raised, and at the real noise: directions that the sensors hardly see converge linearly.
+const MAX_STEPS: [usize; 2] = [40, 300];
 
 /// All recordings, and where their parameters stand among all.
 pub(super) struct Joint<'a> {

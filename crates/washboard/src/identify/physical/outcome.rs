@@ -223,7 +223,7 @@ fn speak(
     let (mut problems, mut remarks) = (Vec::new(), Vec::new());
     if !found.converged {
         let text = format!(
-            "the search ended after {} steps with a Newton decrement of {:.3} (converged below 0.01)",
+            "the search ended after {} steps with a Newton decrement of {:.3} (converged below 0.05)",
             found.steps, found.decrement
         );
         problems.push(("not-converged", text));

@@ -14,13 +14,15 @@ mod search;
 
 pub use outcome::{FreeOrder, FreeOutcome, FreeTrial};
 
-use super::likelihood::{BandData, Drive, FitError, RoadValues, Whitening, mean};
+use super::likelihood::{BandData, CHI_LIMIT, Drive, FitError, RoadValues, Whitening, mean};
 use crate::lti::FirstOrder;
 use crate::signal::CrossSpectra;
 use crate::units::Convention;
 use model::{FreeModel, Point, RATE};
 use search::Found;
 
+/// Starts whose costs differ by more have led to different answers.
+pub(super) const SAME_COST: f64 = 1.0;
 /// Noise is raised by these factors, one after another, from a start that may be far off.
 const ANNEALING_FAR: [f64; 3] = [300.0, 15.0, 1.0];
 /// The same from a start that is an answer already.
@@ -72,7 +74,7 @@ pub struct FreeStart {
 /// sensors).
 ///
 /// Steps are Levenberg–Marquardt's on the Fisher information in the complement of the similarity orbit (order·(channels +
-/// wheels) free parameters). All starts are searched; then modes are added, one by one, where the residual asks for them
+/// wheels) free parameters). Starts are searched in their order until two agree; then modes are added, one by one, where the residual asks for them
 /// most, as long as it asks and Bayes' criterion falls; a mode that became two real poles is taken out again.
 ///
 /// # Errors
@@ -96,22 +98,34 @@ pub fn fit_free_modes(
         derivatives: drive.derivatives.to_vec(),
         planes: drive.planes.to_vec(),
     };
-    let mut trials: Vec<(FreeTrial, Found)> = starts
-        .iter()
-        .filter_map(|start| {
-            let annealing: &[f64] = if start.far { &ANNEALING_FAR } else { &ANNEALING_NONE };
-            let found = search::search(&model, &point(&model, start), annealing, true)?;
-            Some((trial(&model, start.name.clone(), &found), found))
-        })
-        .collect();
-    trials.sort_by(|a, b| a.0.cost.total_cmp(&b.0.cost));
+    let mut trials: Vec<(FreeTrial, Found)> = Vec::new();
+    for start in starts {
+        let annealing: &[f64] = if start.far { &ANNEALING_FAR } else { &ANNEALING_NONE };
+        let Some(found) = search::search(&model, &point(&model, start), annealing, true) else { continue };
+        trials.push((trial(&model, start.name.clone(), &found), found));
+        trials.sort_by(|a, b| a.0.cost.total_cmp(&b.0.cost));
+        if confirmed(&trials) {
+            break;
+        }
+    }
     let tried: Vec<FreeTrial> = trials.iter().map(|(t, _)| t.clone()).collect();
     let Some((_, best)) = trials.into_iter().next() else {
         return Err(FitError::Start("no start has a likelihood: are the wheels' places right?".into()));
     };
-    let bases: Vec<Point> = starts.iter().map(|s| point(&model, s)).collect();
+    let bases: Vec<Point> = starts.iter().take(2).map(|s| point(&model, s)).collect();
     let chosen = order::choose(&model, best, &bases, drive.band_hz);
     outcome::outcome(&model, drive, &chosen, tried).map_err(FitError::Start)
+}
+
+/// Whether the two best searches converged to the same cost; or whether neither explains the data, so that no third will.
+fn confirmed(trials: &[(FreeTrial, Found)]) -> bool {
+    match trials {
+        [(a, _), (b, _), ..] => {
+            a.converged && b.converged && b.cost - a.cost < SAME_COST
+                || a.chi > CHI_LIMIT && b.chi > CHI_LIMIT
+        }
+        _ => false,
+    }
 }
 
 fn point(model: &FreeModel, start: &FreeStart) -> Point {

@@ -3,7 +3,7 @@
 use super::model::{FreeModel, Point};
 use super::outcome::FreeOrder;
 use super::search::{self, Found};
-use super::{chi, extra};
+use super::{SAME_COST, chi, extra};
 use crate::identify::likelihood::CHI_LIMIT;
 use crate::linalg::C64;
 
@@ -12,8 +12,6 @@ use crate::linalg::C64;
 const ANNEALING: [f64; 3] = [300.0, 15.0, 1.0];
 /// Modes that are added to the starts' at most.
 const MOST_EXTRA: usize = 3;
-/// Costs within this are the same answer.
-const SAME_COST: f64 = 1.0;
 
 /// The answer with as many modes as the data ask for.
 pub(super) struct Chosen {

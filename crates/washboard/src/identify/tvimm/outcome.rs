@@ -1,11 +1,11 @@
 //! What a fit of free modes found: estimates with their standard deviations, and everything that speaks against them.
 
-use super::FreeDrive;
 use super::model::FreeModel;
 use super::modes;
 use super::order::Chosen;
 use super::score::{self, PLANE_SD};
 use super::search::{Found, Stage, in_seconds};
+use super::{FreeDrive, SAME_COST};
 use crate::identify::likelihood::{
     Covariance, Estimate, Group, LEAST_NOISE, Reason, Whitening, mean, misfit,
 };
@@ -13,8 +13,6 @@ use crate::linalg::CMat;
 use crate::lti::{FirstOrder, Mode, ModeKind};
 use crate::units::hz;
 
-/// Starts whose costs differ by more have led to different answers.
-const SAME_COST: f64 = 1.0;
 /// Sensors whose static gains scatter more do not follow one road.
 const STATIC_SPREAD: f64 = 0.005;
 /// What remains between reported and actual standard deviations of the modes and of the road.
