@@ -8,7 +8,7 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 use washboard::files::write_whole;
 use washboard::report::{compare_page, identify_page};
-use washboard::study::{CompareOutcome, Envelope, IdentifyOutcome, is_result_of, read_result};
+use washboard::study::{CompareOutcome, Envelope, is_result_of, read_identification, read_result};
 
 /// Write report.html again from result.json.
 #[derive(Debug, Args)]
@@ -30,7 +30,7 @@ pub fn run(arguments: Arguments, output: Output) -> Result<ExitCode, Failure> {
         let result = read_result::<CompareOutcome>(&file)?;
         (result.inputs, compare_page(&result.outcome, &compare::title(&result.outcome)))
     } else {
-        let result = read_result::<IdentifyOutcome>(&file)?;
+        let (_, result) = read_identification(&file)?;
         let title = match result.command.as_str() {
             "demo" => "washboard demo",
             _ => &result.outcome.recording.name,

@@ -5,8 +5,8 @@ use super::html::{Html, classed, element, note, paragraph, table};
 use super::numbers::{fixed, signed, with_sd};
 use super::page::{Page, Section};
 use super::plot::{Axis, Plot, Plots, Role};
-use super::scene;
 use super::spectra::density_unit;
+use super::{argand, scene};
 use crate::study::{Change, CompareOutcome, ComparedChannel, ModeChange, NamedChange, UnmatchedMode};
 
 /// The body of a section; none where there is nothing to show in it.
@@ -177,7 +177,7 @@ fn shapes(o: &CompareOutcome, _: &mut Plots) -> Option<Html> {
             .and(classed(
                 "div",
                 "moving pair phases-pair",
-                scene::argand(&m.points_before).and(scene::argand(&m.points_after)),
+                argand::argand(&m.points_before).and(argand::argand(&m.points_after)),
             ));
         let tab = format!("{} {}", m.before, name(m));
         Some(element(

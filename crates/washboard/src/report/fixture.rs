@@ -86,6 +86,7 @@ pub(super) fn full() -> IdentifyOutcome {
             multiple: Some(2),
             text: name(),
         }],
+        held: vec![HeldParameter { name: name(), value: 1000.0 }],
         parameters: vec![FittedParameter { name: name(), value: 15740.0, sd: 38.0, start: 20000.0 }],
         fit: Some(FitQuality {
             cost: -1234.5,

@@ -1,5 +1,6 @@
 //! Offline pages from outcomes alone: one file that fetches nothing, for a screen, a telephone or paper.
 
+mod argand;
 mod compare;
 mod fit;
 mod foot;

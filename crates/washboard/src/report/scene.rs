@@ -4,7 +4,7 @@
 //! A vertex at rest at (x, y) on the screen with the displacement (re, im) stands at y − a Re((re + i im) e^{iωt}) at the
 //! time t and the amplitude a: the script does no more than that.
 
-use super::html::{Html, classed, element};
+use super::html::{Html, element};
 use super::numbers::fixed;
 use crate::study::ShapePoint;
 
@@ -113,7 +113,7 @@ impl Frame {
     }
 }
 
-fn is_wheel(p: &ShapePoint) -> bool {
+pub(super) fn is_wheel(p: &ShapePoint) -> bool {
     matches!(p.place.as_str(), "hub" | "axle")
 }
 
@@ -343,200 +343,5 @@ fn markup(e: &Element) -> Html {
     element(tag, &attributes, inside)
 }
 
-/// The components in the complex plane: an arrow a point, and the hand that turns with time. What stands in the
-/// hand's direction is at its highest.
-pub(super) fn argand(points: &[ShapePoint]) -> Html {
-    const MIDDLE: f64 = 110.0;
-    const RADIUS: f64 = 84.0;
-    const TOGETHER: f64 = 13.0;
-    let points = drawable(points);
-    let n = coordinate;
-    let m = n(MIDDLE);
-    let circle = |r: f64, class: &str| {
-        element("circle", &[("cx", &m), ("cy", &m), ("r", &n(r)), ("class", class)], "")
-    };
-    let line = |[x, y]: [f64; 2], class: &str| {
-        element("line", &[("x1", &m), ("y1", &m), ("x2", &n(x)), ("y2", &n(y)), ("class", class)], "")
-    };
-    let text = |[x, y]: [f64; 2], class: &str, inside: &str| {
-        element("text", &[("x", &n(x)), ("y", &n(y)), ("class", class)], inside)
-    };
-    let tip = |p: &ShapePoint| [MIDDLE + RADIUS * p.re, MIDDLE - RADIUS * p.im];
-    let mut body = circle(RADIUS, "rim").and(circle(RADIUS / 2.0, "rim"));
-    for end in [
-        [MIDDLE - RADIUS, MIDDLE],
-        [MIDDLE + RADIUS, MIDDLE],
-        [MIDDLE, MIDDLE - RADIUS],
-        [MIDDLE, MIDDLE + RADIUS],
-    ] {
-        body.push(line(end, "rim"));
-    }
-    for ([x, y], word) in [
-        ([MIDDLE + RADIUS + 12.0, MIDDLE], "0°"),
-        ([MIDDLE, MIDDLE - RADIUS - 12.0], "90°"),
-        ([MIDDLE - RADIUS - 13.0, MIDDLE], "180°"),
-        ([MIDDLE, MIDDLE + RADIUS + 12.0], "−90°"),
-    ] {
-        body.push(text([x, y], "degrees", word));
-    }
-    body.push(line([MIDDLE + RADIUS, MIDDLE], "hand"));
-    let mut crowds: Vec<([f64; 2], Vec<usize>)> = Vec::new();
-    for (k, p) in points.iter().enumerate() {
-        let end = tip(p);
-        let class = if is_wheel(p) { "arrow of-wheel" } else { "arrow" };
-        body.push(line(end, class));
-        body.push(element(
-            "circle",
-            &[("cx", &n(end[0])), ("cy", &n(end[1])), ("r", "3.2"), ("class", class)],
-            "",
-        ));
-        match crowds.iter_mut().find(|(c, _)| (c[0] - end[0]).hypot(c[1] - end[1]) < TOGETHER) {
-            Some((_, crowd)) => crowd.push(k + 1),
-            None => crowds.push((end, vec![k + 1])),
-        }
-    }
-    for (end, crowd) in crowds {
-        let (dx, dy) = (end[0] - MIDDLE, end[1] - MIDDLE);
-        let far = dx.hypot(dy);
-        // outwards, and above the middle for what does not move
-        let [dx, dy] = if far > TOGETHER { [dx / far, dy / far] } else { [0.0, -1.0] };
-        let away = 9.0 + 3.0 * (crowd.len() as f64 - 1.0) * dx.abs();
-        body.push(text([end[0] + away * dx, end[1] - 5.0 + away * dy], "number", &ranges(&crowd)));
-    }
-    let around = [
-        ("viewBox", "0 0 220 220"),
-        ("class", "argand"),
-        ("role", "img"),
-        ("aria-label", "Phases of the points"),
-    ];
-    classed("figure", "phases", element("svg", &around, body))
-}
-
-/// 1–4, 7.
-fn ranges(numbers: &[usize]) -> String {
-    let mut runs: Vec<(usize, usize)> = Vec::new();
-    for n in numbers {
-        match runs.last_mut() {
-            Some((_, last)) if *last + 1 == *n => *last = *n,
-            _ => runs.push((*n, *n)),
-        }
-    }
-    let words = runs.iter().map(|(a, b)| match b - a {
-        0 => a.to_string(),
-        1 => format!("{a}, {b}"),
-        _ => format!("{a}–{b}"),
-    });
-    words.collect::<Vec<_>>().join(", ")
-}
-
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn point(place: &str, at_m: [f64; 2], re: f64, im: f64) -> ShapePoint {
-        ShapePoint { name: "<p>".into(), place: place.into(), at_m, re, im }
-    }
-
-    fn classes(points: &[ShapePoint]) -> Vec<&'static str> {
-        let points = drawable(points);
-        elements(&points, Frame::of(&points)).iter().map(|e| e.class).collect()
-    }
-
-    fn count(classes: &[&str], class: &str) -> usize {
-        classes.iter().filter(|c| **c == class).count()
-    }
-
-    #[test]
-    fn what_is_drawn_follows_from_the_points_that_are_there() {
-        let corners = [[1.0, 0.7], [1.0, -0.7], [-1.5, 0.7], [-1.5, -0.7]];
-        let mut car: Vec<_> = corners.map(|c| point("body", c, 1.0, 0.0)).to_vec();
-        car.extend(corners.map(|c| point("hub", c, 0.1, 0.2)));
-        let all = classes(&car);
-        assert_eq!(["plate", "wheel", "spring", "axle", "dot"].map(|c| count(&all, c)), [1, 4, 4, 2, 8]);
-        // two wheels in a line: a beam and no plate
-        let bike: Vec<_> =
-            [0.7, -0.7].iter().flat_map(|x| ["body", "hub"].map(|p| point(p, [*x, 0.0], 1.0, 0.0))).collect();
-        let all = classes(&bike);
-        assert_eq!(["plate", "beam", "wheel", "spring", "axle"].map(|c| count(&all, c)), [0, 1, 2, 2, 0]);
-        // sensors on hubs only
-        let all = classes(&car[4..]);
-        assert_eq!(["plate", "beam", "wheel", "spring"].map(|c| count(&all, c)), [0, 0, 4, 0]);
-        // a quarter car, all at one place
-        let all = classes(&[point("body", [0.0; 2], 1.0, 0.0), point("hub", [0.0; 2], 0.5, 0.0)]);
-        assert_eq!(["plate", "wheel", "spring"].map(|c| count(&all, c)), [1, 1, 1]);
-        assert!(svg(&[], "").is_none() && svg(&[point("body", [f64::NAN, 0.0], 1.0, 0.0)], "").is_none());
-    }
-
-    #[test]
-    fn the_plate_goes_round_its_corners_and_leaves_out_what_is_inside() {
-        let at = [[0.0, 0.0], [1.0, 1.0], [1.0, 0.0], [0.5, 0.5], [0.0, 1.0], [0.5, 0.0], [0.0, 0.0]];
-        let points = at.map(|at_m| point("body", at_m, 1.0, 0.0));
-        let points: Vec<&ShapePoint> = points.iter().collect();
-        let round: Vec<[f64; 2]> = hull(&points).iter().map(|p| p.at_m).collect();
-        assert_eq!(round, [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]]);
-        let line: Vec<ShapePoint> = [0.0, 1.0, 2.0].map(|x| point("body", [x, 0.0], 1.0, 0.0)).to_vec();
-        assert_eq!(hull(&line.iter().collect::<Vec<_>>()).len(), 2);
-        assert_eq!(count(&classes(&line), "beam"), 1);
-    }
-
-    #[test]
-    fn a_spring_moves_at_each_end_with_what_it_is_fixed_to() {
-        let points = [point("hub", [0.0; 2], 0.2, 0.4), point("body", [0.0; 2], 1.0, 0.0)];
-        let points: Vec<&ShapePoint> = points.iter().collect();
-        let spring = spring(points[0], &points, "body", Frame::of(&points)).unwrap().vertices;
-        assert_eq!((spring[0].moves, spring[ZIGZAG].moves), ([0.2, 0.4], [1.0, 0.0]));
-        assert!(spring[0].at[1] < spring[ZIGZAG].at[1], "the hub is below the body");
-    }
-
-    #[test]
-    fn everything_stays_in_the_picture_and_up_is_up() {
-        let points = [point("body", [0.0; 2], 1.0, 0.0), point("hub", [0.0; 2], 0.0, 1.0)];
-        let points: Vec<&ShapePoint> = points.iter().collect();
-        for e in fitted(elements(&points, Frame::of(&points)), Frame::of(&points)) {
-            for v in &e.vertices {
-                let size = v.moves[0].hypot(v.moves[1]);
-                assert!(v.at[0] >= 0.0 && v.at[0] <= SIZE[0], "{e:?}");
-                assert!(v.at[1] - size >= 0.0 && v.at[1] + size <= SIZE[1], "{e:?}");
-            }
-        }
-        let html = svg(&[point("hub", [0.0; 2], 1.0, 0.0)], "a\"b").unwrap();
-        let circle = html.as_str().split("<circle ").find(|c| c.contains("\"wheel\"")).unwrap();
-        let number = |name: &str| -> f64 {
-            circle
-                .split_once(&format!("{name}=\""))
-                .unwrap()
-                .1
-                .split(['"', ' '])
-                .next()
-                .unwrap()
-                .parse()
-                .unwrap()
-        };
-        let data: Vec<f64> = circle
-            .split_once("data-v=\"")
-            .unwrap()
-            .1
-            .split('"')
-            .next()
-            .unwrap()
-            .split(' ')
-            .map(|v| v.parse().unwrap())
-            .collect();
-        assert!((number("cy") - (data[1] - data[2])).abs() < 0.11 && data[2] > 0.0 && data[3] == 0.0);
-    }
-
-    #[test]
-    fn wheels_of_a_tandem_axle_do_not_overlap() {
-        let wheels = [0.0, 1.3, 6.0].map(|x| point("hub", [x, 0.0], 1.0, 0.0));
-        let frame = Frame::of(&wheels.iter().collect::<Vec<_>>());
-        assert!(2.0 * frame.wheel < 1.3 && frame.size == 6.0, "{frame:?}");
-        // a single wheel has its usual size
-        assert_eq!(Frame::of(&wheels[..1].iter().collect::<Vec<_>>()).wheel, WHEEL);
-    }
-
-    #[test]
-    fn numbers_in_a_row_are_a_range() {
-        assert_eq!(ranges(&[1, 2, 3, 4, 7]), "1–4, 7");
-        assert_eq!(ranges(&[5, 6]), "5, 6");
-    }
-}
+mod tests;

@@ -4,7 +4,7 @@ use super::Plots;
 use super::html::{Html, classed, element, note, table};
 use super::modes::dial;
 use super::numbers::fixed;
-use super::scene;
+use super::{argand, scene};
 use crate::study::{IdentifiedMode, IdentifyOutcome, ShapePoint};
 
 /// Components below this share of the largest have no phase worth a look.
@@ -27,7 +27,7 @@ pub(super) fn shapes(outcome: &IdentifyOutcome, _: &mut Plots) -> Option<Html> {
             let both = classed(
                 "div",
                 "moving",
-                classed("figure", "vehicle", drawing).and(scene::argand(&mode.points)),
+                classed("figure", "vehicle", drawing).and(argand::argand(&mode.points)),
             );
             let inside = element("h3", &[], title.as_str()).and(both).and(numbers(&mode.points));
             let tab = format!("{} {}", k + 1, mode.label);

@@ -20,7 +20,7 @@ struct Fault(String, String, String);
 /// # Errors
 /// A file that is missing, is of another schema or command, has a field of the wrong kind, or numbers that cannot be one
 /// result: the message names file and field.
-pub(super) fn read_identification(path: &Path) -> Result<(PathBuf, Envelope<IdentifyOutcome>), StudyError> {
+pub fn read_identification(path: &Path) -> Result<(PathBuf, Envelope<IdentifyOutcome>), StudyError> {
     let file = if path.is_dir() { path.join("result.json") } else { path.to_owned() };
     let wrong = |message: String| StudyError::from(FileError::content(&file, None, message));
     let raw = read_result::<Value>(&file)?;

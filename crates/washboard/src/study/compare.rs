@@ -7,7 +7,8 @@ use super::compare_outcome::{
     Unmatched, UnmatchedMode,
 };
 use super::identify_outcome::{Flag, IdentifiedMode, IdentifyOutcome};
-use super::{CompareSpec, Envelope, Input, StudyError};
+use super::{CompareSpec, Envelope, HeldParameter, Input, StudyError};
+use crate::vehicle::of_scale;
 
 /// Standard deviations either side of a 95 % interval.
 const FACTOR_95: f64 = 1.96;
@@ -38,7 +39,7 @@ pub fn compare(spec: &CompareSpec) -> Result<(CompareOutcome, Vec<Input>), Study
 /// |d| > 1.96 √(s₁² + s₂²). Where a standard deviation is missing, or a result has not converged, nothing is judged.
 #[must_use]
 pub fn compare_outcomes(before: &IdentifyOutcome, after: &IdentifyOutcome) -> CompareOutcome {
-    let judge = Judge { converged: [before.converged, after.converged] };
+    let judge = Judge { converged: [before.converged, after.converged], ..Judge::default() };
     let pairs = matched(&before.modes, &after.modes);
     let modes: Vec<ModeChange> = pairs
         .iter()
@@ -66,8 +67,10 @@ pub fn compare_outcomes(before: &IdentifyOutcome, after: &IdentifyOutcome) -> Co
     let named = |o: &IdentifyOutcome| -> Vec<Named> {
         o.parameters.iter().map(|p| (p.name.clone(), (p.value, Some(p.sd)))).collect()
     };
-    let parameters = judge.by_name(named(before), named(after), &mut unmatched);
-    let quantities = judge.by_name(quantities(before), quantities(after), &mut unmatched);
+    let of_vehicle = Judge { scales: differing_scales(before, after), ..judge };
+    let parameters = of_vehicle.by_name(named(before), named(after), &mut unmatched);
+    let of_road = Judge { speeds: differing_speeds(before, after).is_some(), ..judge };
+    let quantities = of_road.by_name(quantities(before), quantities(after), &mut unmatched);
     let spectra = spectra(before, after, &mut unmatched);
     let all = || {
         modes
@@ -110,13 +113,37 @@ fn flag(name: &str, text: impl Into<String>) -> Flag {
     Flag { name: name.to_owned(), text: text.into() }
 }
 
+/// The name of the delay among the quantities.
+const DELAY: &str = "delay_s";
+
+/// Whether the values that set the scale of masses, stiffnesses and dampers are not the same ones.
+fn differing_scales(before: &IdentifyOutcome, after: &IdentifyOutcome) -> bool {
+    let scale = |o: &IdentifyOutcome| -> Vec<HeldParameter> {
+        let mut held: Vec<_> = o.held.iter().filter(|h| of_scale(&h.name)).cloned().collect();
+        held.sort_by(|a, b| a.name.cmp(&b.name));
+        held
+    };
+    scale(before) != scale(after)
+}
+
+/// Two speeds that are not the same.
+fn differing_speeds(before: &IdentifyOutcome, after: &IdentifyOutcome) -> Option<(f64, f64)> {
+    let speeds = before.recording.speed_m_s.zip(after.recording.speed_m_s)?;
+    ((speeds.0 - speeds.1).abs() > SAME_SPEED * speeds.0.abs().max(speeds.1.abs())).then_some(speeds)
+}
+
 /// A number with its standard deviation.
 type Value = (f64, Option<f64>);
 type Named = (String, Value);
 
 /// What may be judged.
+#[derive(Clone, Copy, Default)]
 struct Judge {
     converged: [bool; 2],
+    /// Masses, stiffnesses and dampings are relative to different values.
+    scales: bool,
+    /// Delays are of different speeds.
+    speeds: bool,
 }
 
 impl Judge {
@@ -158,7 +185,19 @@ impl Judge {
             .extend(after.iter().filter(|(n, _)| missing(&before, n)).map(|(n, _)| n.clone()));
         let pair = |(name, value): Named| {
             let (_, other) = after.iter().find(|(n, _)| *n == name)?;
-            Some(NamedChange { change: self.change(value, *other), name })
+            let mut change = self.change(value, *other);
+            let reason = if self.scales && of_scale(&name) {
+                Some("the scales differ")
+            } else if self.speeds && name == DELAY {
+                Some("the speeds differ")
+            } else {
+                None
+            };
+            if let Some(reason) = reason {
+                change.significant = false;
+                change.not_judged.get_or_insert_with(|| reason.to_owned());
+            }
+            Some(NamedChange { change, name })
         };
         before.into_iter().filter_map(pair).collect()
     }
@@ -171,7 +210,7 @@ fn quantities(o: &IdentifyOutcome) -> Vec<Named> {
         [("road.roughness_m3", (roughness, Some(sd))), ("road.exponent", (r.exponent, Some(r.exponent_sd)))]
     });
     let mu = o.coherence.iter().map(|c| ("coherence.mu", (c.mu, Some(c.mu_sd))));
-    let delay = o.delay_s.iter().map(|d| ("delay_s", (*d, o.delay_sd_s)));
+    let delay = o.delay_s.iter().map(|d| (DELAY, (*d, o.delay_sd_s)));
     road.chain(mu).chain(delay).map(|(name, value)| (name.to_owned(), value)).collect()
 }
 
@@ -230,12 +269,24 @@ fn flags(before: &IdentifyOutcome, after: &IdentifyOutcome, spectra: &ComparedSp
         );
         flags.push(flag("methods-differ", text));
     }
-    if let (Some(a), Some(b)) = (before.recording.speed_m_s, after.recording.speed_m_s)
-        && (a - b).abs() > SAME_SPEED * a.abs().max(b.abs())
-    {
-        let text =
-            format!("The speeds differ ({a:.2} and {b:.2} m/s): so does the delay, on the same vehicle.");
+    if let Some((a, b)) = differing_speeds(before, after) {
+        let text = format!(
+            "The speeds differ ({a:.2} and {b:.2} m/s): so does the delay on the same vehicle, and it is not judged."
+        );
         flags.push(flag("speeds-differ", text));
+    }
+    if differing_scales(before, after) && before.method == after.method {
+        let held = |o: &IdentifyOutcome| {
+            let all: Vec<String> = o.held.iter().map(|h| format!("{} = {}", h.name, h.value)).collect();
+            if all.is_empty() { "nothing".to_owned() } else { all.join(", ") }
+        };
+        let text = format!(
+            "The scales differ ({} and {} are held): masses, stiffnesses and dampings are shown and not judged. Give both \
+             the same --known.",
+            held(before),
+            held(after)
+        );
+        flags.push(flag("scales-differ", text));
     }
     let same = |c: &ComparedChannel| c.before == c.after && !c.before.is_empty();
     if spectra.freq_before_hz == spectra.freq_after_hz && spectra.channels.iter().any(same) {
@@ -259,9 +310,9 @@ fn share_data(before: &Envelope<IdentifyOutcome>, after: &Envelope<IdentifyOutco
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::study::{FittedParameter, IdentifiedCoherence};
+    use crate::study::{FittedParameter, IdentifiedCoherence, RecordingSummary};
 
-    const BOTH: Judge = Judge { converged: [true, true] };
+    const BOTH: Judge = Judge { converged: [true, true], scales: false, speeds: false };
 
     #[test]
     fn a_difference_is_judged_by_both_deviations() {
@@ -283,11 +334,35 @@ mod tests {
             let c = BOTH.change((1.0, a), (1e9, b));
             assert_eq!((c.significant, c.difference_sd, c.not_judged.as_deref()), (false, None, Some(words)));
         }
-        let failed = Judge { converged: [true, false] }.change((1.0, Some(1e-9)), (2.0, Some(1e-9)));
+        let failed = Judge { converged: [true, false], ..BOTH }.change((1.0, Some(1e-9)), (2.0, Some(1e-9)));
         assert_eq!(
             (failed.significant, failed.not_judged.as_deref()),
             (false, Some("the later result has not converged"))
         );
+    }
+
+    #[test]
+    fn parameters_of_another_scale_and_delays_at_another_speed_are_not_judged() {
+        let outcome = |mass: f64, speed_m_s: f64| IdentifyOutcome {
+            converged: true,
+            parameters: ["front.tire_stiffness_n_per_m", "front_axle_m"]
+                .map(|n| FittedParameter { name: n.into(), value: mass, sd: 1.0, start: 0.0 })
+                .to_vec(),
+            held: vec![HeldParameter { name: "sprung_mass_kg".into(), value: mass }],
+            delay_s: Some(2.66 / speed_m_s),
+            delay_sd_s: Some(1e-4),
+            recording: RecordingSummary { speed_m_s: Some(speed_m_s), ..RecordingSummary::default() },
+            ..IdentifyOutcome::default()
+        };
+        let why = |mass: f64, speed_m_s: f64| -> Vec<Option<String>> {
+            let found = compare_outcomes(&outcome(1000.0, 20.0), &outcome(mass, speed_m_s));
+            let all = found.parameters.iter().chain(&found.quantities);
+            all.map(|n| n.change.not_judged.clone()).collect()
+        };
+        assert_eq!(why(1000.0, 20.1), [None, None, None]);
+        let (scales, speeds) = (Some("the scales differ".to_owned()), Some("the speeds differ".to_owned()));
+        assert_eq!(why(1150.0, 20.0), [scales, None, None]);
+        assert_eq!(why(1000.0, 30.0), [None, None, speeds]);
     }
 
     #[test]

@@ -1,7 +1,7 @@
 //! A vehicle fitted without a file: generic starts, a symmetric car, then one whose sides differ.
 
 use super::drives::{Drive, Families, fit};
-use super::identify_outcome::StartTried;
+use super::identify_evidence::StartTried;
 use super::{StudyError, drives};
 use crate::identify::{
     ANNEALING_FAR, ANNEALING_NEAR, ANNEALING_NONE, PhysicalOutcome, PhysicalSettings, RoadStart,

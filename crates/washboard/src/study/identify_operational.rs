@@ -3,9 +3,8 @@
 use super::IdentifyMethod;
 use super::StudyError;
 use super::identify::{Task, blank};
-use super::identify_outcome::{
-    Flag, IdentifiedMode, IdentifyOutcome, RejectedMode, ShapeValue, StabilizationPole,
-};
+use super::identify_evidence::{RejectedMode, StabilizationPole};
+use super::identify_outcome::{Flag, IdentifiedMode, IdentifyOutcome, ShapeValue};
 use crate::identify::operational::modal_assurance;
 use crate::identify::{
     FddMode, FddSettings, Mode, OperationalError, PlscfSettings, Rejected, ShapeComponent, SsiSettings,

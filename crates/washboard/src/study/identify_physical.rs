@@ -3,15 +3,16 @@
 use super::drives::{Drive, Families, cannot_start, fit, usable};
 use super::fit_generic::{GenericFit, Sides, fit_generic, values};
 use super::identify::{Files, Task, blank};
+use super::identify_evidence::{ClockOffset, FitQuality};
 use super::identify_outcome::{
-    ClockOffset, FitQuality, FittedParameter, Flag, IdentifiedMode, IdentifyOutcome, RunSummary, ShapeValue,
+    FittedParameter, Flag, HeldParameter, IdentifiedMode, IdentifyOutcome, RunSummary, ShapeValue,
 };
 use super::parts::{self, RoadEstimate};
 use super::{IdentifyMethod, StudyError, shape_points};
 use crate::identify::{ANNEALING_NONE, FitError, PhysicalOutcome, PhysicalSettings};
 use crate::road::{CoherenceSpec, RoadSpec};
 use crate::signal::Recording;
-use crate::vehicle::{Model, ParametricVehicle, Vehicle, VehicleError, VehicleSpec};
+use crate::vehicle::{Model, ParametricVehicle, SPRUNG_MASS, Vehicle, VehicleError, VehicleSpec, of_scale};
 
 /// A wheel of the recording may be this far from the vehicle file's: track widths are measured carelessly.
 const WHEEL_TOLERANCE_M: f64 = 0.25;
@@ -345,6 +346,7 @@ fn fill(outcome: &mut IdentifyOutcome, fitted: &Fitted<'_>, from_file: bool, kno
             Some(FittedParameter { name, value, sd: e.sd * slope.abs(), start })
         })
         .collect();
+    outcome.held = held(&fitted.spec, known);
     outcome.fit = Some(FitQuality {
         cost: found.cost,
         decrement: found.decrement,
@@ -365,6 +367,19 @@ fn fill(outcome: &mut IdentifyOutcome, fitted: &Fitted<'_>, from_file: bool, kno
     if let Some((starts, _)) = &fitted.generic {
         outcome.starts.clone_from(starts);
     }
+}
+
+/// What was given, and the sprung mass where nothing else sets the scale.
+fn held(vehicle: &VehicleSpec, known: &[(String, f64)]) -> Vec<HeldParameter> {
+    let mut held: Vec<HeldParameter> =
+        known.iter().map(|(name, value)| HeldParameter { name: name.clone(), value: *value }).collect();
+    if !known.iter().any(|(name, _)| of_scale(name)) {
+        let file = serde_json::to_value(vehicle).unwrap_or_default();
+        if let Some(value) = file[vehicle.model.name()][SPRUNG_MASS].as_f64() {
+            held.push(HeldParameter { name: SPRUNG_MASS.to_owned(), value });
+        }
+    }
+    held
 }
 
 /// What holds for every such fit, and what was decided in this one.

@@ -3,10 +3,8 @@
 use super::drives::cannot_start;
 use super::fit_generic::values;
 use super::identify::{Files, Task, blank};
-use super::identify_outcome::{
-    FitQuality, Flag, IdentifiedMode, IdentifyOutcome, OrderTried, RejectedMode, RunSummary, ShapeValue,
-    StartTried,
-};
+use super::identify_evidence::{FitQuality, OrderTried, RejectedMode, StartTried};
+use super::identify_outcome::{Flag, IdentifiedMode, IdentifyOutcome, RunSummary, ShapeValue};
 use super::identify_physical::{Fitted, Refusal, fitted, modes, recordings, road_file};
 use super::parts::{self, RoadEstimate};
 use super::{IdentifyMethod, StudyError, shape_points};

@@ -1,8 +1,9 @@
 //! Parts of an outcome that all likelihood fits share: road, coherence, noise, flags.
 
 use super::identify::Task;
+use super::identify_evidence::ChannelNoise;
 use super::identify_outcome::IdentifyOutcome;
-use super::identify_outcome::{ChannelNoise, Flag, IdentifiedCoherence, IdentifiedRoad};
+use super::identify_outcome::{Flag, IdentifiedCoherence, IdentifiedRoad};
 use crate::identify::operational::{mean_phase_deg, modal_assurance, phase_collinearity};
 use crate::identify::{DriveOutcome, Estimate, FitReason, FreeOutcome};
 use crate::road::IsoClass;

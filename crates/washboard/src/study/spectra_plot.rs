@@ -1,7 +1,7 @@
 //! Measured and fitted spectra for tables and pages.
 
 use super::identify::Task;
-use super::identify_outcome::{ChannelSpectrum, PairSpectrum, SingularValues, SpectraPlot};
+use super::identify_evidence::{ChannelSpectrum, PairSpectrum, SingularValues, SpectraPlot};
 use crate::linalg::CMat;
 use crate::signal::{Place, Quantity};
 use crate::units::per_hz_from_two_sided;

@@ -19,6 +19,8 @@ const SEGMENTS_IN_ONE: f64 = 12.0;
 const KEPT: f64 = 0.75;
 /// Parts of one recording, at most.
 const MOST_PARTS: usize = 6;
+/// A segment has so many samples at least.
+const FEWEST_SAMPLES: usize = 8;
 /// Slower than this, in m/s, a vehicle stands or crawls: nothing of its suspension is seen.
 const SLOWEST_M_S: f64 = 1.0;
 
@@ -90,6 +92,19 @@ fn whole(recording: &Recording, name: &str, spec: &IdentifySpec) -> Result<Part,
     // detrending takes drift out of displacements and slow sensors
     let recording = recording.detrended();
     let len = segment_len(&recording, segment_s(recording.duration_s(), spec));
+    if let Some(asked) = spec.segment_s
+        && !(FEWEST_SAMPLES..=recording.len()).contains(&len)
+    {
+        let shortest = FEWEST_SAMPLES as f64 / recording.rate_hz();
+        return Err(StudyError::Setting {
+            field: "segment_s",
+            expected: format!(
+                "from {shortest} s ({FEWEST_SAMPLES} samples) to the recording's {} s",
+                recording.duration_s()
+            ),
+            found: asked.to_string(),
+        });
+    }
     let pieces: Vec<Range<usize>> = std::iter::once(0..recording.len()).collect();
     let spectra = spectra_of_pieces(&recording, &pieces, len)?;
     Ok(Part { name: name.to_owned(), recording, pieces, spectra })

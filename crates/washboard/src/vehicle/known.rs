@@ -20,7 +20,7 @@ pub(super) fn names(name: &str, path: &[String]) -> bool {
 }
 
 /// Whether a field is a mass, inertia, stiffness or damping; its side, if any, does not matter.
-pub(super) fn of_scale(name: &str) -> bool {
+pub(crate) fn of_scale(name: &str) -> bool {
     let plain = name.trim_end_matches(".0").trim_end_matches(".1");
     OF_SCALE.iter().any(|end| plain.ends_with(end))
 }

@@ -10,9 +10,10 @@ use serde_json::Value;
 
 /// Fields that a fit does not move: the mass that sets the scale, and what a tape measure gives.
 const HELD: [&str; 8] =
-    [MASS, CG, "rear_axle_m", "front_track_m", "rear_track_m", CG_LEFT, "driver_m", "cabin_mass_kg"];
+    [SPRUNG_MASS, CG, "rear_axle_m", "front_track_m", "rear_track_m", CG_LEFT, "driver_m", "cabin_mass_kg"];
 /// What sets the scale where nothing else is known.
-const MASS: &str = "sprung_mass_kg";
+/// What holds the scale where no value is known.
+pub(crate) const SPRUNG_MASS: &str = "sprung_mass_kg";
 /// The longitudinal place of the c.g. between the axles: moved at a fixed wheelbase.
 pub(super) const CG: &str = "front_axle_m";
 /// The lateral place of the c.g., the one number that may be negative.
@@ -188,8 +189,9 @@ impl ParametricVehicle {
         }
         let template = template.with_table(table.clone()).map_err(|e| no_vehicle(&e))?;
         let mut freed = freed.to_vec();
-        if known.iter().any(|(n, v)| *v > 0.0 && of_scale(n)) && !known.iter().any(|(n, _)| n == MASS) {
-            freed.push(MASS.to_owned());
+        if known.iter().any(|(n, v)| *v > 0.0 && of_scale(n)) && !known.iter().any(|(n, _)| n == SPRUNG_MASS)
+        {
+            freed.push(SPRUNG_MASS.to_owned());
         }
         let number = |field: &str| table[field].as_f64();
         let wheelbase_m = match &template {
