@@ -1,6 +1,8 @@
 //! Linear time-invariant systems: state space in continuous and discrete time, connections, generalised plants;
 //! mechanical systems M q̈ + C q̇ + K q = f, their modes and their modal form.
 
+mod balance;
+mod bilinear;
 mod connect;
 mod error;
 mod first_order;
@@ -8,10 +10,14 @@ mod frequency;
 mod mechanics;
 mod modal;
 mod modes;
+mod norms;
+mod pade;
 mod plant;
 mod state_space;
 mod time;
+mod time_response;
 mod wheeled;
+mod zeros;
 
 pub use error::LtiError;
 pub use first_order::FirstOrder;
@@ -19,7 +25,10 @@ pub use frequency::Responder;
 pub use mechanics::{MechanicsError, SecondOrder};
 pub use modal::ModalForm;
 pub use modes::{Mode, ModeKind, modes};
+pub use norms::HinfNorm;
+pub use pade::pade_delay;
 pub use plant::{GeneralizedPlant, Signals};
 pub use state_space::StateSpace;
 pub use time::{Continuous, Discrete, Time};
+pub use time_response::Hold;
 pub use wheeled::{Parametric, StartedAt, WheeledSystem};

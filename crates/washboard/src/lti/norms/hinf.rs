@@ -1,0 +1,269 @@
+//! The H∞ norm: local peaks first, then a Hamiltonian's eigenvalues show that nothing stands above them.
+
+use super::peak::{Gain, frequencies_of};
+use crate::linalg::{C64, LinalgError, Mat, solve};
+use crate::lti::connect::blocks;
+use crate::lti::{Continuous, Discrete, LtiError, StateSpace};
+
+/// Nothing stands above the norm reported by more than this share.
+const ACCURACY: f64 = 1e-7;
+/// An eigenvalue this near to the axis, as a share of its size, may be on it but for rounding: G is looked at there.
+const NEAR_AXIS: f64 = 1e-2;
+/// Peaks that reach this share of the highest value seen are climbed before any Hamiltonian.
+const CLIMBED: f64 = 0.3;
+/// Peaks climbed at most, the highest first.
+const MOST_CLIMBED: usize = 6;
+/// Levels, at most: each one is above a peak that had not been seen.
+const MOST_LEVELS: usize = 50;
+
+/// The largest gain over frequency, and where.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct HinfNorm {
+    /// sup σ_max(G(iω)), attained: within 1e-7 of the supremum.
+    pub norm: f64,
+    /// Where, rad/s; infinite where it is the feedthrough's.
+    pub omega_rad_s: f64,
+    /// Evaluations of G.
+    pub evaluations: usize,
+    /// Eigenvalue problems of order 2n.
+    pub eigenvalue_problems: usize,
+}
+
+impl StateSpace<Continuous> {
+    /// ‖G‖∞ = sup σ_max(G(iω)), the largest gain of sustained sines.
+    ///
+    /// σ_max is looked at for ω = 0, ∞ and at every pole's frequency and the highest peaks are climbed; then G has a
+    /// singular value γ at ω exactly where iω is an eigenvalue of the Hamiltonian (R = γ²I − DᵀD)
+    ///
+    /// H = [A + B R⁻¹DᵀC, B R⁻¹Bᵀ; −Cᵀ(I + D R⁻¹Dᵀ)C, −(A + B R⁻¹DᵀC)ᵀ].
+    ///
+    /// With γ just above the highest peak, G is evaluated at all eigenvalues near the axis and between them. What stands
+    /// higher is climbed, and the test repeated, until nothing does. Eigenvalues that rounding moved off the axis are
+    /// looked at too, and a value is always attained by G: rounding can't make the norm too large, and only a peak
+    /// which no pole's frequency and no eigenvalue shows could make it too small.
+    ///
+    /// # Errors
+    /// A system that is not stable.
+    ///
+    /// Source: Boyd and Balakrishnan, Syst. Control Lett. 15 (1990) 1–7; Bruinsma and Steinbuch, ibid. 14 (1990) 287–293.
+    pub fn hinf_norm(&self) -> Result<HinfNorm, LtiError> {
+        self.check_stable("the H∞ norm")?;
+        let g = self.balanced_scales()?.0;
+        let omegas = frequencies_of(&g.poles()?);
+        norm_from(&g, &omegas)
+    }
+}
+
+impl StateSpace<Discrete> {
+    /// ‖G‖∞ = sup σ_max(G(e^{iω dt})): that of the continuous system which the bilinear map makes of it.
+    ///
+    /// # Errors
+    /// A system that is not stable.
+    pub fn hinf_norm(&self) -> Result<HinfNorm, LtiError> {
+        self.check_stable("the H∞ norm")?;
+        let found = self.inverse_bilinear(1.0)?.hinf_norm()?;
+        // s = i tan(θ/2)
+        let omega_rad_s = 2.0 * found.omega_rad_s.atan() / self.time().dt_s;
+        Ok(HinfNorm { omega_rad_s, ..found })
+    }
+}
+
+/// The norm of a stable system, looked at first at some frequencies (ascending).
+fn norm_from(g: &StateSpace<Continuous>, omegas: &[f64]) -> Result<HinfNorm, LtiError> {
+    let responder = g.responder()?;
+    let mut gain = Gain::new(&responder);
+    let d = super::peak::largest_singular_value(&crate::lti::state_space::complex(g.d()));
+    let mut best = (f64::INFINITY, d);
+    if g.order() == 0 || g.inputs() == 0 || g.outputs() == 0 {
+        return Ok(HinfNorm { norm: d, omega_rad_s: 0.0, evaluations: 0, eigenvalue_problems: 0 });
+    }
+    raise(&mut best, (0.0, gain.at(0.0)));
+    let seen: Vec<(f64, f64)> = omegas.iter().map(|w| (*w, gain.at(*w))).collect();
+    seen.iter().for_each(|s| raise(&mut best, *s));
+    climb_highest(&mut gain, &seen, &mut best);
+    let mut eigenvalue_problems = 0;
+    while best.1 > 0.0 && eigenvalue_problems < MOST_LEVELS {
+        let level = best.1 * (1.0 + ACCURACY);
+        let crossings = crossings(g, level)?;
+        eigenvalue_problems += 1;
+        let mut higher: Option<(f64, f64)> = None;
+        for (k, omega) in crossings.iter().enumerate() {
+            let next = crossings.get(k + 1).map_or(2.0 * omega, |n| 0.5 * (omega + n));
+            let before = if k == 0 { Some(0.5 * omega) } else { None };
+            for w in [Some(*omega), Some(next), before].into_iter().flatten() {
+                let value = gain.at(w);
+                if value > level && higher.is_none_or(|h| value > h.1) {
+                    higher = Some((w, value));
+                }
+            }
+        }
+        let Some(found) = higher else { break };
+        let inside = |w: &&f64| **w < found.0 * (1.0 - 1e-12);
+        let low = crossings.iter().rev().find(inside).copied().unwrap_or(0.5 * found.0);
+        let high = crossings.iter().find(|w| **w > found.0 * (1.0 + 1e-12)).copied().unwrap_or(2.0 * found.0);
+        raise(&mut best, found);
+        raise(&mut best, gain.climb(low, found, high));
+    }
+    Ok(HinfNorm { norm: best.1, omega_rad_s: best.0, evaluations: gain.evaluations, eigenvalue_problems })
+}
+
+fn raise(best: &mut (f64, f64), found: (f64, f64)) {
+    if found.1 > best.1 {
+        *best = found;
+    }
+}
+
+/// Climbs the highest of the values seen that stand above their neighbours.
+fn climb_highest(gain: &mut Gain<'_>, seen: &[(f64, f64)], best: &mut (f64, f64)) {
+    let value = |k: usize| seen[k].1;
+    let mut peaks: Vec<usize> = (0..seen.len())
+        .filter(|k| {
+            (*k == 0 || value(*k) >= value(k - 1)) && (k + 1 == seen.len() || value(*k) >= value(k + 1))
+        })
+        .collect();
+    peaks.sort_by(|i, j| value(*j).total_cmp(&value(*i)));
+    for k in peaks.into_iter().take(MOST_CLIMBED) {
+        if value(k) < CLIMBED * best.1 {
+            break;
+        }
+        let low = if k == 0 { 0.5 * seen[k].0 } else { seen[k - 1].0 };
+        let high = seen.get(k + 1).map_or(2.0 * seen[k].0, |s| s.0);
+        let top = gain.climb(low, seen[k], high);
+        raise(best, top);
+    }
+}
+
+/// Frequencies of the Hamiltonian's eigenvalues on or near the axis, ascending.
+fn crossings(g: &StateSpace<Continuous>, gamma: f64) -> Result<Vec<f64>, LtiError> {
+    let h = hamiltonian(g, gamma)?;
+    let order = h.nrows();
+    let values =
+        h.eigenvalues().map_err(|_| LinalgError::NoConvergence { what: "the QR algorithm", order })?;
+    let floor = f64::EPSILON * order as f64 * h.norm_l2();
+    let mut omegas: Vec<f64> = values
+        .iter()
+        .filter(|z: &&C64| z.im >= 0.0 && z.re.abs() <= NEAR_AXIS * z.norm() + floor)
+        .map(|z| z.norm())
+        .filter(|w| *w > 0.0)
+        .collect();
+    omegas.sort_by(f64::total_cmp);
+    omegas.dedup_by(|a, b| (*a - *b).abs() <= 1e-13 * *b);
+    Ok(omegas)
+}
+
+/// H at a level above σ_max(D), its off-diagonal blocks of like size.
+fn hamiltonian(g: &StateSpace<Continuous>, gamma: f64) -> Result<Mat, LtiError> {
+    let (a, b, c, d) = (g.a(), g.b(), g.c(), g.d());
+    let (dt, bt, ct) = (d.transpose(), b.transpose(), c.transpose());
+    let m = g.inputs();
+    let r = Mat::from_fn(m, m, |i, j| if i == j { gamma * gamma } else { 0.0 }) - dt * d;
+    let (over_bt, over_dtc) = (solve(&r, &bt.to_owned())?, solve(&r, &(dt * c))?);
+    let a11 = a + b * &over_dtc;
+    let (a12, a21) = (b * &over_bt, ct * c + ct * d * &over_dtc);
+    // diag(√t, 1/√t) is symplectic
+    let (up, down) = (a12.norm_l2(), a21.norm_l2());
+    let t = if up > 0.0 && down > 0.0 { (down / up).log2().round().exp2().sqrt() } else { 1.0 };
+    let (a12, a21) = (a12 * faer::Scale(t), a21 * faer::Scale(-1.0 / t));
+    let a22 = -a11.transpose().to_owned();
+    Ok(blocks(&[&[&a11, &a12], &[&a21, &a22]]))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn oscillator(zeta: f64, omega: f64) -> StateSpace<Continuous> {
+        let a = Mat::from_fn(2, 2, |i, j| [[0.0, 1.0], [-omega * omega, -2.0 * zeta * omega]][i][j]);
+        let b = Mat::from_fn(2, 1, |i, _| i as f64);
+        let c = Mat::from_fn(1, 2, |_, j| 1.0 - j as f64);
+        StateSpace::continuous(a, b, c, Mat::zeros(1, 1)).unwrap()
+    }
+
+    /// Largest gain of 1/(s² + 2ζωs + ω²).
+    fn peak(zeta: f64, omega: f64) -> f64 {
+        1.0 / (2.0 * zeta * (1.0 - zeta * zeta).sqrt() * omega * omega)
+    }
+
+    #[test]
+    fn an_oscillators_peak_is_found_however_sharp() {
+        for zeta in [0.5, 0.1, 1e-2, 1e-4, 1e-7] {
+            for omega in [1e-3, 1.0, 70.0, 1e5] {
+                let found = oscillator(zeta, omega).hinf_norm().unwrap();
+                assert!((found.norm / peak(zeta, omega) - 1.0).abs() < 1e-9, "{zeta} {omega}: {found:?}");
+                let at = omega * (1.0 - 2.0 * zeta * zeta).sqrt();
+                assert!((found.omega_rad_s / at - 1.0).abs() < 1e-6, "{found:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn the_ends_of_the_axis_count() {
+        let one = |x: f64| Mat::from_fn(1, 1, |_, _| x);
+        let lag = StateSpace::continuous(one(-2.0), one(1.0), one(3.0), one(0.0)).unwrap();
+        let found = lag.hinf_norm().unwrap();
+        assert_eq!((found.norm, found.omega_rad_s), (1.5, 0.0));
+        // 1 − 1.5/(s + 2): at most 1, at infinity
+        let high = StateSpace::continuous(one(-2.0), one(1.0), one(-1.5), one(1.0)).unwrap();
+        let found = high.hinf_norm().unwrap();
+        assert_eq!((found.norm, found.omega_rad_s), (1.0, f64::INFINITY));
+        // all-pass: everywhere
+        let pass = StateSpace::continuous(one(-2.0), one(2.0), one(-2.0), one(1.0)).unwrap();
+        assert!((pass.hinf_norm().unwrap().norm - 1.0).abs() < 1e-14);
+        let nothing = StateSpace::continuous(one(-2.0), one(0.0), one(1.0), one(0.0)).unwrap();
+        assert_eq!(nothing.hinf_norm().unwrap().norm, 0.0);
+        assert!(matches!(oscillator(-0.1, 1.0).hinf_norm(), Err(LtiError::NotStable { .. })));
+    }
+
+    #[test]
+    fn a_dense_grid_finds_nothing_higher() {
+        use rand::{Rng, SeedableRng};
+        for seed in 0..60 {
+            let mut rng = rand_chacha::ChaCha8Rng::seed_from_u64(seed);
+            let (n, m, p) = (rng.random_range(1..9), rng.random_range(1..4), rng.random_range(1..4));
+            let shift = rng.random_range(0.3..2.0);
+            let mut any = |r: usize, c: usize| Mat::from_fn(r, c, |_, _| rng.random_range(-1.0..1.0));
+            let mut a = any(n, n);
+            let worst = crate::linalg::eigen(&a).unwrap().0.iter().map(|z| z.re).fold(f64::MIN, f64::max);
+            (0..n).for_each(|i| a[(i, i)] -= worst + 0.05 * shift);
+            let d = any(p, m) * faer::Scale(if seed % 3 == 0 { 0.0 } else { 1.0 });
+            let g = StateSpace::continuous(a, any(n, m), any(p, n), d).unwrap();
+            let found = g.hinf_norm().unwrap();
+            let r = g.responder().unwrap();
+            let on_grid = (0..40_000)
+                .map(|k| 10f64.powf(-3.0 + 6.0 * f64::from(k) / 40_000.0))
+                .map(|w| super::super::peak::largest_singular_value(&r.at_frequency(w).unwrap()))
+                .fold(0.0, f64::max);
+            assert!(on_grid <= found.norm * (1.0 + ACCURACY), "{seed}: {on_grid} above {found:?}");
+            assert!(
+                on_grid >= found.norm * 0.999 || !(1e-3..1e3).contains(&found.omega_rad_s),
+                "{seed}: {on_grid} {found:?}"
+            );
+            let dual = g.transposed().hinf_norm().unwrap();
+            assert!((dual.norm / found.norm - 1.0).abs() < 1e-7);
+            let disk = g.bilinear(1.7, 0.1).unwrap().hinf_norm().unwrap();
+            assert!((disk.norm / found.norm - 1.0).abs() < 1e-7, "{seed}: {disk:?} {found:?}");
+        }
+    }
+
+    #[test]
+    fn without_any_hint_the_hamiltonian_finds_the_peak() {
+        for zeta in [0.5, 0.1, 1e-2, 1e-4] {
+            for omega in [0.1, 1.0, 300.0] {
+                let found = norm_from(&oscillator(zeta, omega), &[]).unwrap();
+                assert!((found.norm / peak(zeta, omega) - 1.0).abs() < 1e-9, "{zeta} {omega}: {found:?}");
+                assert!(zeta > 0.6 || found.eigenvalue_problems > 1);
+            }
+        }
+    }
+
+    #[test]
+    fn a_crossing_is_where_the_gain_is_the_level() {
+        let g = oscillator(0.1, 3.0);
+        let r = g.responder().unwrap();
+        let omegas = crossings(&g, 0.4).unwrap();
+        assert_eq!(omegas.len(), 2);
+        for w in omegas {
+            assert!((r.at_frequency(w).unwrap()[(0, 0)].norm() / 0.4 - 1.0).abs() < 1e-12);
+        }
+    }
+}
