@@ -19,7 +19,7 @@ fn plant(n: usize) -> [Mat; 4] {
         (state >> 11) as f64 / (1u64 << 52) as f64 - 1.0
     };
     let spread = 1.7 / (n as f64).sqrt();
-    let a = Mat::from_fn(n, n, |i, j| spread * next() - if i == j { 0.5 } else { 0.0 });
+    let a = Mat::from_fn(n, n, |i, j| spread * next() - if i == j { 0.8 } else { 0.0 });
     let b = Mat::from_fn(n, INPUTS, |_, _| next());
     let c = Mat::from_fn(INPUTS, n, |_, _| next());
     [a, b, c.transpose() * &c, Mat::identity(INPUTS, INPUTS)]

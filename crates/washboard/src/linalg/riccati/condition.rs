@@ -8,8 +8,8 @@ use super::scaling::Scaling;
 
 /// Steps of the power method on a positive semidefinite matrix; the norm is then known to a few per cent.
 const POWER_STEPS: usize = 12;
-/// The residual's own rounding, in n ε of the sum of its terms.
-const ROUNDING: f64 = 1.0;
+/// The residual's own rounding, in n ε of its terms' factors.
+const ROUNDING: f64 = 0.25;
 /// Newton's theorem: below one quarter a solution is near.
 const KANTOROVICH: f64 = 0.25;
 
@@ -39,7 +39,7 @@ pub(super) struct Errors {
 ///
 /// Source: Kenney and Hewer, *The sensitivity of the algebraic and differential Riccati equations*, SIAM J. Control
 /// Optim. 28 (1990), theorem 2; Byers (1985); Gahinet, Laub, Kenney and Hewer (1990) for the discrete Ω.
-pub(super) fn errors(refined: &Refined, scaling: &Scaling, norms: Norms) -> Errors {
+pub(super) fn errors(refined: &Refined, g: &Mat, scaling: &Scaling, norms: Norms) -> Errors {
     let (n, rho) = (refined.x.nrows(), scaling.rho);
     let linearised = &refined.linearised;
     let (z, equation) = (&linearised.schur.q, linearised.equation);
@@ -65,18 +65,33 @@ pub(super) fn errors(refined: &Refined, scaling: &Scaling, norms: Norms) -> Erro
     let p = Mat::from_fn(n, n, |i, j| p[(i, j)] * (rho / scaling.d[i]));
     let h2 = norm(&minus(p.transpose() * &p));
     let condition = (h0 * norms.q + 2.0 * (h0 * h2).sqrt() * norms.a + h2 * norms.g) / size;
-    let rounding = ROUNDING * n as f64 * f64::EPSILON * refined.at.terms;
+    let rounding = ROUNDING * n as f64 * f64::EPSILON * refined.at.products;
     let left = refined.at.residual.norm_l2() + rounding;
     // |Ω̃⁻¹(E)| ≤ ‖E‖ H̃
     let forward = 2.0 * left * rho * plain_norm / size;
-    let curvature = match equation {
-        Equation::Continuous => norms.g,
-        Equation::Discrete => norms.g * norms.a * norms.a,
-    };
-    // the same in the caller's units: ‖Ω⁻¹(residual)‖ ‖Ω⁻¹‖ ‖G‖
-    let proven = left * rho * plain_norm * h0 * curvature < KANTOROVICH;
+    let proven = left * norm_of_curvature(refined, &plain, g) < KANTOROVICH;
     let known = |v: f64| if size > 0.0 && !v.is_nan() { v } else { f64::INFINITY };
     Errors { condition: known(condition), forward: known(forward), proven }
+}
+
+/// c with |Ω⁻¹(E G E)| ≤ δ c |E| for the errors |E| ≤ δ H that a residual of norm δ leaves, Ω(H) = −I: Newton's next
+/// step over this one's.
+fn norm_of_curvature(refined: &Refined, h: &Mat, g: &Mat) -> f64 {
+    let linearised = &refined.linearised;
+    let z = &linearised.schur.q;
+    let quadratic = h * (z.transpose() * g * z) * h;
+    // A_c in these coordinates is Tᵀ
+    let t = &linearised.schur.t;
+    let quadratic = match linearised.equation {
+        Equation::Continuous => quadratic,
+        Equation::Discrete => t * quadratic * t.transpose(),
+    };
+    let size = h.norm_l2();
+    if size == 0.0 {
+        return 0.0;
+    }
+    let next = linearised.solve_turned(quadratic * faer::Scale(-1.0));
+    next.norm_l2() / size
 }
 
 /// ‖D⁻¹ Z Y Zᵀ D⁻¹‖₂ of a positive semidefinite Y, by the power method.

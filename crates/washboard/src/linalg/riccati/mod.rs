@@ -25,8 +25,9 @@ use scaling::Scaling;
 
 /// A scaled residual above this is refused.
 const REFUSED: f64 = 1e-8;
-/// Above this many n ε the other route is tried too.
-const SUSPICIOUS_EPSILONS: f64 = 100.0;
+/// Above this many n ε of what rounding explains, or above this scaled residual, the other route is tried too.
+const SUSPICIOUS_EPSILONS: f64 = 10.0;
+const SUSPICIOUS: f64 = 1e-10;
 
 /// The stabilising solution of a Riccati equation, with what proves it.
 #[derive(Debug, Clone)]
@@ -88,14 +89,14 @@ fn stabilising(
     norms: Norms,
 ) -> Result<RiccatiSolution, RiccatiError> {
     let n = standard.a.nrows();
-    let suspicious = SUSPICIOUS_EPSILONS * n as f64 * f64::EPSILON;
+    let rounding = SUSPICIOUS_EPSILONS * n as f64 * f64::EPSILON;
     let mut factorisations = 0;
     let from = |x: Mat| refine(problem, shift.map_or_else(|| x.clone(), |x0| &x + x0)).ok();
     let mut best = standard.doubling().and_then(|(x, work)| {
         factorisations += work;
         from(x)
     });
-    if !best.as_ref().is_some_and(|b| sound(b, suspicious)) {
+    if !best.as_ref().is_some_and(|b| sound(b, SUSPICIOUS) && b.at.over_rounding() <= rounding) {
         factorisations += 8;
         if let Some(other) = standard.schur().ok().and_then(from) {
             if best.as_ref().is_none_or(|b| better(&other, b)) {
@@ -115,7 +116,7 @@ fn stabilising(
     if !sound(&best, REFUSED) {
         return Err(why_not(Some(&best)));
     }
-    let Errors { condition, forward, proven } = errors(&best, scaling, norms);
+    let Errors { condition, forward, proven } = errors(&best, &standard.g, scaling, norms);
     if !proven {
         // too near to the boundary for the residual alone to say that there is a solution
         if let Some(why) = diagnose::unreachable(standard.equation, &standard.a, &standard.reach)

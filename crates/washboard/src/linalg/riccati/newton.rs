@@ -45,6 +45,8 @@ pub(super) struct At {
     pub residual: Mat,
     /// The sum of the norms of its terms.
     pub terms: f64,
+    /// The sum of the products of their factors' norms: what the residual's rounding goes with.
+    pub products: f64,
     /// A − G X or A + B F.
     pub closed_loop: Mat,
     /// F of the discrete equation.
@@ -54,9 +56,17 @@ pub(super) struct At {
 impl At {
     /// ‖residual‖ over the sum of its terms' norms.
     pub fn scaled(&self) -> f64 {
-        let norm = self.residual.norm_l2();
-        if norm == 0.0 { 0.0 } else { norm / self.terms }
+        ratio(self.residual.norm_l2(), self.terms)
     }
+
+    /// ‖residual‖ over the sum of the products of its factors' norms: of the order of ε where nothing is left to win.
+    pub fn over_rounding(&self) -> f64 {
+        ratio(self.residual.norm_l2(), self.products)
+    }
+}
+
+fn ratio(norm: f64, scale: f64) -> f64 {
+    if norm == 0.0 { 0.0 } else { norm / scale }
 }
 
 impl Problem {
@@ -69,8 +79,9 @@ impl Problem {
                 let (xa, xgx) = (x * a, x * (a - &closed_loop));
                 let mut residual = &xa + xa.transpose() - &xgx + q;
                 average(&mut residual);
-                let terms = 2.0 * a.norm_l2() * x.norm_l2() + xgx.norm_l2() + q.norm_l2();
-                Ok(At { residual, terms, closed_loop, gain: None })
+                let (linear, size) = (2.0 * a.norm_l2() * x.norm_l2() + q.norm_l2(), x.norm_l2());
+                let (terms, products) = (linear + xgx.norm_l2(), linear + size * size * g.norm_l2());
+                Ok(At { residual, terms, products, closed_loop, gain: None })
             }
             Self::Discrete { a, b, q, r, s } => {
                 let bx = b.transpose() * x;
@@ -81,8 +92,10 @@ impl Problem {
                 let mut residual = &moved - x + &control + q;
                 average(&mut residual);
                 let size = a.norm_l2();
-                let terms = (size * size + 1.0) * x.norm_l2() + control.norm_l2() + q.norm_l2();
-                Ok(At { residual, terms, closed_loop, gain: Some(gain) })
+                let linear = (size * size + 1.0) * x.norm_l2() + q.norm_l2();
+                let (terms, products) =
+                    (linear + control.norm_l2(), linear + cross.norm_l2() * gain.norm_l2());
+                Ok(At { residual, terms, products, closed_loop, gain: Some(gain) })
             }
         }
     }
@@ -164,30 +177,30 @@ pub(super) fn refine(problem: &Problem, x0: Mat) -> Result<Refined, LinalgError>
     loop {
         let linearised = Linearised::of(problem.equation(), &at.closed_loop)?;
         factorisations += 1;
-        let mut moved = 0.0f64;
-        let mut better = false;
-        if linearised.margin() < 0.0 {
-            for _ in 0..CORRECTIONS {
-                let before = at.scaled();
-                if before <= rounding {
-                    break;
-                }
-                let step = linearised.solve(&at.residual);
-                let next = &x - &step;
-                let Ok(found) = problem.at(&next) else { break };
-                let after = found.scaled();
-                if !(after < before) {
-                    break;
-                }
-                moved += step.norm_l2() / next.norm_l2().max(f64::MIN_POSITIVE);
-                (x, at, better) = (next, found, true);
-                if after > PROGRESS * before {
-                    break;
-                }
+        let (start, mut moved) = (at.scaled(), 0.0f64);
+        let corrections = if linearised.margin() < 0.0 { CORRECTIONS } else { 0 };
+        for _ in 0..corrections {
+            let before = at.scaled();
+            if before <= rounding {
+                break;
+            }
+            let step = linearised.solve(&at.residual);
+            let next = &x - &step;
+            let Ok(found) = problem.at(&next) else { break };
+            let after = found.scaled();
+            if !(after < before) {
+                break;
+            }
+            moved += step.norm_l2() / next.norm_l2().max(f64::MIN_POSITIVE);
+            (x, at) = (next, found);
+            if after > PROGRESS * before {
+                break;
             }
         }
-        if !better || moved <= UNCHANGED || factorisations >= ROUNDS {
-            let linearised = if better && moved > UNCHANGED {
+        let stuck = !(at.scaled() <= PROGRESS * start);
+        if stuck || moved <= UNCHANGED || factorisations >= ROUNDS {
+            let linearised = if moved > UNCHANGED {
+                factorisations += 1;
                 Linearised::of(problem.equation(), &at.closed_loop)?
             } else {
                 linearised
