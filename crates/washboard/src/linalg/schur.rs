@@ -1,6 +1,7 @@
 //! The ordered real Schur form A = Q T Qᵀ: what Lyapunov, Sylvester and Riccati equations are solved on.
 
 mod block;
+mod flat;
 mod francis;
 mod swap;
 
@@ -45,8 +46,8 @@ impl RealSchur {
     pub fn new(a: &Mat) -> Result<Self, LinalgError> {
         check_square("A", a)?;
         check_finite("A", a)?;
-        let (mut q, mut t) = francis::hessenberg(a);
-        francis::iterate(&mut q, &mut t)?;
+        let (q, h) = francis::hessenberg(a);
+        let (q, t) = francis::iterate(q, h)?;
         Ok(Self { q, t })
     }
 

@@ -1,25 +1,43 @@
 //! Householder reduction to Hessenberg form and Francis's double-shift QR iteration on it.
 
-use super::block::standardise_at;
+use super::block::standardise;
+use super::flat::Flat;
 use super::{LinalgError, Mat};
+use faer::dyn_stack::{MemBuffer, MemStack};
+use faer::linalg::evd::hessenberg::{hessenberg_in_place, hessenberg_in_place_scratch};
+use faer::linalg::householder::{
+    apply_block_householder_sequence_on_the_right_in_place_scratch as apply_scratch,
+    apply_block_householder_sequence_on_the_right_in_place_with_conj,
+};
+use faer::{Conj, Par};
+
+/// Householder block: faer's own for these sizes.
+const BLOCK: usize = 16;
 
 /// Q and H with A = Q H Qᵀ, H upper Hessenberg.
 pub(super) fn hessenberg(a: &Mat) -> (Mat, Mat) {
     let n = a.nrows();
     let (mut h, mut q) = (a.clone(), Mat::identity(n, n));
-    for k in 0..n.saturating_sub(2) {
-        let mut v: Vec<f64> = (k + 1..n).map(|i| h[(i, k)]).collect();
-        let (beta, tau) = reflector(&mut v);
-        if tau == 0.0 {
-            continue;
-        }
-        h[(k + 1, k)] = beta;
-        for i in k + 2..n {
-            h[(i, k)] = 0.0;
-        }
-        reflect_rows(&mut h, &v, tau, k + 1, k + 1);
-        reflect_cols(&mut h, &v, tau, k + 1, n);
-        reflect_cols(&mut q, &v, tau, k + 1, n);
+    if n < 3 {
+        return (q, h);
+    }
+    let block = BLOCK.min(n - 1);
+    let mut factors = Mat::zeros(block, n - 1);
+    let memory = hessenberg_in_place_scratch::<f64>(n, block, Par::Seq, Default::default());
+    let memory = memory.or(apply_scratch::<f64>(n - 1, block, n - 1));
+    let mut memory = MemBuffer::new(memory);
+    let stack = MemStack::new(&mut memory);
+    hessenberg_in_place(h.as_mut(), factors.as_mut(), Par::Seq, stack, Default::default());
+    apply_block_householder_sequence_on_the_right_in_place_with_conj(
+        h.submatrix(1, 0, n - 1, n - 1),
+        factors.as_ref(),
+        Conj::No,
+        q.submatrix_mut(1, 1, n - 1, n - 1),
+        Par::Seq,
+        stack,
+    );
+    for j in 0..n {
+        h.col_as_slice_mut(j)[(j + 2).min(n)..].fill(0.0);
     }
     (q, h)
 }
@@ -64,21 +82,22 @@ pub(super) fn reflect_cols(a: &mut Mat, v: &[f64], tau: f64, at: usize, to: usiz
 }
 
 /// Brings the Hessenberg matrix H to real Schur form in place, and carries every step into Q.
-pub(super) fn iterate(q: &mut Mat, h: &mut Mat) -> Result<(), LinalgError> {
+pub(super) fn iterate(q: Mat, h: Mat) -> Result<(Mat, Mat), LinalgError> {
     const SWEEPS_PER_EIGENVALUE: usize = 30; // LAPACK's limit; three are usual
     const EXCEPTIONAL: usize = 10; // an exceptional shift after so many sweeps without deflation
-    let n = h.nrows();
+    let (mut q, mut h) = (Flat::from(&q), Flat::from(&h));
+    let n = h.order();
     let limit = SWEEPS_PER_EIGENVALUE * n.max(10);
     let (mut end, mut stuck, mut total) = (n, 0usize, 0usize);
     // h[..end] is still to be done; the active block is start..end
     while end > 0 {
-        let start = deflate(h, end);
+        let start = deflate(&mut h, end);
         if start + 1 == end {
             (end, stuck) = (start, 0);
             continue;
         }
         if start + 2 == end {
-            standardise_at(q, h, start);
+            standardise_at(&mut q, &mut h, start);
             (end, stuck) = (start, 0);
             continue;
         }
@@ -96,14 +115,24 @@ pub(super) fn iterate(q: &mut Mat, h: &mut Mat) -> Result<(), LinalgError> {
         } else {
             Shifts::of(h[(last - 1, last - 1)], h[(last - 1, last)], h[(last, last - 1)], h[(last, last)])
         };
-        sweep(q, h, start, end, &shifts);
+        sweep(&mut q, &mut h, start, end, &shifts);
     }
-    Ok(())
+    Ok((q.into_mat(), h.into_mat()))
+}
+
+/// Standardises the block of H at (k, k) and carries the rotation through H and Q.
+fn standardise_at(q: &mut Flat, h: &mut Flat, k: usize) {
+    let ([a, b, c, d], turn) = standardise(h[(k, k)], h[(k, k + 1)], h[(k + 1, k)], h[(k + 1, k + 1)]);
+    h.rotate_rows(turn, k, k + 2);
+    h.rotate_cols(turn, k, k);
+    let n = q.order();
+    q.rotate_cols(turn, k, n);
+    (h[(k, k)], h[(k, k + 1)], h[(k + 1, k)], h[(k + 1, k + 1)]) = (a, b, c, d);
 }
 
 /// Sets the lowest negligible subdiagonal entry above `end` to zero and returns the first row of the active block.
-fn deflate(h: &mut Mat, end: usize) -> usize {
-    let small = f64::MIN_POSITIVE * (h.nrows() as f64 / f64::EPSILON);
+fn deflate(h: &mut Flat, end: usize) -> usize {
+    let small = f64::MIN_POSITIVE * (h.order() as f64 / f64::EPSILON);
     for k in (1..end).rev() {
         let sub = h[(k, k - 1)].abs();
         if sub <= small {
@@ -168,8 +197,8 @@ fn exceptional(corner: f64, s: f64) -> Shifts {
 }
 
 /// One implicit double-shift QR sweep over the active block.
-fn sweep(q: &mut Mat, h: &mut Mat, start: usize, end: usize, shifts: &Shifts) {
-    let n = h.nrows();
+fn sweep(q: &mut Flat, h: &mut Flat, start: usize, end: usize, shifts: &Shifts) {
+    let n = h.order();
     let ([r1, r2], [i1, i2]) = (shifts.re, shifts.im);
     // start lower where two consecutive subdiagonal entries are small
     let mut at = end - 3;
@@ -216,8 +245,8 @@ fn sweep(q: &mut Mat, h: &mut Mat, start: usize, end: usize, shifts: &Shifts) {
         } else if at > start {
             h[(k, k - 1)] *= 1.0 - tau;
         }
-        reflect_rows(h, &v[..rows], tau, k, k);
-        reflect_cols(h, &v[..rows], tau, k, (k + 4).min(end));
-        reflect_cols(q, &v[..rows], tau, k, n);
+        h.reflect_rows(&v[..rows], tau, k);
+        h.reflect_cols(&v[..rows], tau, k, (k + 4).min(end));
+        q.reflect_cols(&v[..rows], tau, k, n);
     }
 }

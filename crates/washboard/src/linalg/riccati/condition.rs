@@ -1,0 +1,128 @@
+//! How far X may be wrong: Kenney and Hewer's bound of the relative condition, and the forward error that the residual
+//! leaves.
+
+use super::super::dense::Mat;
+use super::super::quasi_triangular::Equation;
+use super::newton::Refined;
+use super::scaling::Scaling;
+
+/// Steps of the power method on a positive semidefinite matrix; the norm is then known to a few per cent.
+const POWER_STEPS: usize = 12;
+/// The residual's own rounding, in n ε of its terms' factors.
+const ROUNDING: f64 = 0.25;
+/// Newton's theorem: below one quarter a solution is near.
+const KANTOROVICH: f64 = 0.25;
+
+/// Norms of A, G and Q in the states of the caller.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Norms {
+    pub a: f64,
+    pub g: f64,
+    pub q: f64,
+}
+
+/// What the linearised equation says of the error of X.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Errors {
+    /// Relative condition number.
+    pub condition: f64,
+    /// Relative forward error.
+    pub forward: f64,
+    /// Whether the residual is so small that Newton's theorem (Kantorovich) proves a solution nearby.
+    pub proven: bool,
+}
+
+/// K = (‖H₀‖‖Q‖ + 2 √(‖H₀‖‖H₂‖) ‖A‖ + ‖H₂‖‖G‖) / ‖X‖ with Ω(Y) = A_cᵀY + YA_c, Ω(H₀) = −I, Ω(H₂) = −X².
+///
+/// Ω⁻¹ and Z ↦ Ω⁻¹(XZX) keep their sign on semidefinite matrices, so that ‖H₀‖ and ‖H₂‖ are their 2-norms; the middle
+/// term bounds Z ↦ Ω⁻¹(ZᵀX + XZ). In discrete time Ω(Y) = A_cᵀYA_c − Y and X A_c takes the place of X.
+///
+/// Source: Kenney and Hewer, *The sensitivity of the algebraic and differential Riccati equations*, SIAM J. Control
+/// Optim. 28 (1990), theorem 2; Byers (1985); Gahinet, Laub, Kenney and Hewer (1990) for the discrete Ω.
+pub(super) fn errors(refined: &Refined, g: &Mat, scaling: &Scaling, norms: Norms) -> Errors {
+    let (n, rho) = (refined.x.nrows(), scaling.rho);
+    let linearised = &refined.linearised;
+    let (z, equation) = (&linearised.schur.q, linearised.equation);
+    let x = scaling.g(&refined.x); // in the caller's states
+    let size = x.norm_l2();
+    let norm = |y: &Mat| power_norm(y, z, &scaling.d);
+    let minus = |m: Mat| linearised.solve_turned(m * faer::Scale(-1.0));
+    // in scaled states: Ω̃(H) = −I
+    let plain = minus(Mat::identity(n, n));
+    let plain_norm = norm(&plain);
+    // Ω(H₀) = −I means Ω̃(D H₀ D) = −D²
+    let h0 = if scaling.keeps_states() {
+        plain_norm
+    } else {
+        let dz = Mat::from_fn(n, n, |i, j| scaling.d[i] * z[(i, j)]);
+        norm(&minus(dz.transpose() * &dz))
+    };
+    // Ω(H₂) = −PᵀP, P = X or X A_c: Ω̃ of −(P D Z)ᵀ(P D Z)
+    let p = match equation {
+        Equation::Continuous => &refined.x * z,
+        Equation::Discrete => &refined.x * (&refined.at.closed_loop * z),
+    };
+    let p = Mat::from_fn(n, n, |i, j| p[(i, j)] * (rho / scaling.d[i]));
+    let h2 = norm(&minus(p.transpose() * &p));
+    let condition = (h0 * norms.q + 2.0 * (h0 * h2).sqrt() * norms.a + h2 * norms.g) / size;
+    let rounding = ROUNDING * n as f64 * f64::EPSILON * refined.at.products;
+    let left = refined.at.residual.norm_l2() + rounding;
+    // |Ω̃⁻¹(E)| ≤ ‖E‖ H̃
+    let forward = 2.0 * left * rho * plain_norm / size;
+    let proven = left * norm_of_curvature(refined, &plain, g) < KANTOROVICH;
+    let known = |v: f64| if size > 0.0 && !v.is_nan() { v } else { f64::INFINITY };
+    Errors { condition: known(condition), forward: known(forward), proven }
+}
+
+/// c with |Ω⁻¹(E G E)| ≤ δ c |E| for the errors |E| ≤ δ H that a residual of norm δ leaves, Ω(H) = −I: Newton's next
+/// step over this one's.
+fn norm_of_curvature(refined: &Refined, h: &Mat, g: &Mat) -> f64 {
+    let linearised = &refined.linearised;
+    let z = &linearised.schur.q;
+    let quadratic = h * (z.transpose() * g * z) * h;
+    // A_c in these coordinates is Tᵀ
+    let t = &linearised.schur.t;
+    let quadratic = match linearised.equation {
+        Equation::Continuous => quadratic,
+        Equation::Discrete => t * quadratic * t.transpose(),
+    };
+    let size = h.norm_l2();
+    if size == 0.0 {
+        return 0.0;
+    }
+    let next = linearised.solve_turned(quadratic * faer::Scale(-1.0));
+    next.norm_l2() / size
+}
+
+/// ‖D⁻¹ Z Y Zᵀ D⁻¹‖₂ of a positive semidefinite Y, by the power method.
+fn power_norm(y: &Mat, z: &Mat, d: &[f64]) -> f64 {
+    let n = d.len();
+    let plain = d.iter().all(|d| *d == 1.0);
+    let at = (0..n).fold(0, |best, i| if y[(i, i)] > y[(best, best)] { i } else { best });
+    if n == 0 {
+        return 0.0;
+    }
+    // start where Y is largest, with something of everything
+    let mut v = faer::Col::from_fn(n, |i| if i == at { 1.0 } else { 0.1 / n as f64 });
+    if !plain {
+        let turned = z * &v;
+        v = faer::Col::from_fn(n, |i| turned[i] / d[i]);
+    }
+    let mut value = 0.0;
+    for _ in 0..POWER_STEPS {
+        let length = v.norm_l2();
+        if !(length > 0.0 && length.is_finite()) {
+            return length;
+        }
+        v *= faer::Scale(1.0 / length);
+        v = if plain {
+            y * &v
+        } else {
+            let inner = faer::Col::from_fn(n, |i| v[i] / d[i]);
+            let turned = z * (y * (z.transpose() * &inner));
+            faer::Col::from_fn(n, |i| turned[i] / d[i])
+        };
+        value = v.norm_l2();
+    }
+    value
+}

@@ -1,0 +1,142 @@
+//! The structure-preserving doubling algorithm: n × n products and one LU a step, quadratic convergence.
+
+use super::super::dense::Mat;
+use super::input::average;
+use faer::linalg::matmul::matmul;
+use faer::linalg::solvers::Solve;
+use faer::{Accum, Par};
+
+/// Steps before it gives up: 2⁴⁰ samples. A solution on the boundary converges by a bit a step and ends here.
+const STEPS: usize = 40;
+/// The next step's change is about the square of this one's: below this the last step was the last that counts.
+const CONVERGED: f64 = 1e-8;
+/// A growth of the iterates beyond this is a divergence.
+const DIVERGED: f64 = 1e100;
+/// Of the shift's A − γI the smallest pivot over the largest that is still taken, and other shifts that are tried.
+const SMALLEST_PIVOT: f64 = 1e-8;
+const OTHER_SHIFTS: [f64; 5] = [1.0, 1.7, 0.55, 3.1, 0.3];
+
+/// X = Aᵀ X (I + G X)⁻¹ A + H: what doubling solves, and its iterates (A_k, G_k, H_k).
+#[derive(Debug, Clone)]
+pub(super) struct Doubling {
+    pub a: Mat,
+    pub g: Mat,
+    pub h: Mat,
+    /// LU factorisations so far, 2n × 2n ones counted 8.
+    pub factorisations: usize,
+}
+
+impl Doubling {
+    /// The Cayley transform of AᵀX + XA − XGX + Q = 0, with the same X; none where no shift is sound.
+    ///
+    /// A_γ = A − γI, W = A_γᵀ + Q A_γ⁻¹ G; Â = I + 2γ W⁻ᵀ, Ĝ = 2γ A_γ⁻¹ G W⁻¹, Ĥ = 2γ W⁻¹ Q A_γ⁻¹.
+    ///
+    /// γ is the geometric mean of |λ| of the Hamiltonian, that is |det|^{1/2n}: of rates from slow to fast the middle.
+    ///
+    /// Source: Chu, Fan and Lin, *A structure-preserving doubling algorithm for continuous-time algebraic Riccati
+    /// equations*, Linear Algebra Appl. 396 (2005), eq. (2.6).
+    pub fn cayley(a: &Mat, g: &Mat, q: &Mat) -> Option<Self> {
+        let n = a.nrows();
+        let mean = mean_rate(a, g, q);
+        let mut factorisations = 8;
+        for factor in OTHER_SHIFTS {
+            let gamma = mean * factor;
+            let mut shifted = a.clone();
+            (0..n).for_each(|i| shifted[(i, i)] -= gamma);
+            let lu = shifted.partial_piv_lu();
+            factorisations += 1;
+            let u = lu.U();
+            let pivots = (0..n).map(|i| u[(i, i)].abs());
+            let (least, largest) = pivots.fold((f64::INFINITY, 0.0f64), |(l, h), p| (l.min(p), h.max(p)));
+            if !(least > SMALLEST_PIVOT * largest) {
+                continue;
+            }
+            let inverse_g = lu.solve(g); // A_γ⁻¹ G
+            let mut w = shifted.transpose() + q * &inverse_g;
+            let lu_w = w.partial_piv_lu();
+            factorisations += 1;
+            let inverse = lu_w.solve(Mat::identity(n, n)); // the transform is W⁻¹ itself
+            // Ĥ = 2γ (A_γ⁻ᵀ (W⁻¹Q)ᵀ)ᵀ and symmetric
+            let scale = 2.0 * gamma;
+            let wq = &inverse * q;
+            let mut h = lu.solve_transpose(wq.transpose());
+            let mut g_hat = &inverse_g * &inverse;
+            h *= faer::Scale(scale);
+            g_hat *= faer::Scale(scale);
+            average(&mut h);
+            average(&mut g_hat);
+            w.copy_from(inverse.transpose());
+            w *= faer::Scale(scale);
+            (0..n).for_each(|i| w[(i, i)] += 1.0);
+            let size = w.norm_max() + h.norm_max() + g_hat.norm_max();
+            if size.is_finite() && size < DIVERGED {
+                return Some(Self { a: w, g: g_hat, h, factorisations });
+            }
+        }
+        None
+    }
+
+    /// H_k to convergence, which is X; none where it diverges.
+    ///
+    /// A ← A (I + GH)⁻¹ A, G ← G + A (I + GH)⁻¹ G Aᵀ, H ← H + Aᵀ H (I + GH)⁻¹ A.
+    ///
+    /// Source: Chu, Fan, Lin and Wang, *Structure-preserving algorithms for periodic discrete-time algebraic Riccati
+    /// equations*, Int. J. Control 77 (2004), algorithm 3.
+    pub fn run(mut self) -> Option<(Mat, usize)> {
+        let n = self.a.nrows();
+        let (mut w, mut ha) = (Mat::zeros(n, n), Mat::zeros(n, n));
+        let (mut both, mut turned) = (Mat::zeros(n, 2 * n), Mat::zeros(n, 2 * n));
+        for _ in 0..STEPS {
+            let Self { a, g, h, factorisations } = &mut self;
+            matmul(&mut w, Accum::Replace, &*g, &*h, 1.0, Par::Seq);
+            (0..n).for_each(|i| w[(i, i)] += 1.0);
+            both.subcols_mut(0, n).copy_from(&*a);
+            both.subcols_mut(n, n).copy_from(&*g);
+            let lu = w.partial_piv_lu();
+            *factorisations += 1;
+            lu.solve_in_place(&mut both);
+            // A [V₁ V₂], and H A before A changes
+            matmul(&mut turned, Accum::Replace, &*a, &both, 1.0, Par::Seq);
+            matmul(&mut ha, Accum::Replace, &*h, &*a, 1.0, Par::Seq);
+            matmul(&mut *g, Accum::Add, turned.subcols(n, n), a.transpose(), 1.0, Par::Seq);
+            let v1 = both.subcols(0, n);
+            matmul(&mut w, Accum::Replace, v1.transpose(), &ha, 1.0, Par::Seq);
+            average(&mut w);
+            average(g);
+            *h += &w;
+            a.copy_from(turned.subcols(0, n));
+            let (change, size) = (w.norm_max(), h.norm_max());
+            if !(size < DIVERGED && a.norm_max() < DIVERGED && g.norm_max() < DIVERGED) {
+                return None;
+            }
+            if change <= CONVERGED * size {
+                return Some((self.h, self.factorisations));
+            }
+        }
+        None
+    }
+}
+
+/// |det [A −G; −Q −Aᵀ]|^{1/2n}, with pivots below ε of the largest taken as that.
+fn mean_rate(a: &Mat, g: &Mat, q: &Mat) -> f64 {
+    let n = a.nrows();
+    let hamiltonian = hamiltonian(a, g, q);
+    let lu = hamiltonian.partial_piv_lu();
+    let u = lu.U();
+    let largest = (0..2 * n).fold(0.0f64, |m, i| m.max(u[(i, i)].abs()));
+    let floor = (f64::EPSILON * largest).max(f64::MIN_POSITIVE);
+    let sum: f64 = (0..2 * n).map(|i| u[(i, i)].abs().max(floor).log2()).sum();
+    let mean = (sum / (2 * n) as f64).exp2();
+    if mean.is_finite() { mean } else { 1.0 }
+}
+
+/// [A −G; −Q −Aᵀ].
+pub(super) fn hamiltonian(a: &Mat, g: &Mat, q: &Mat) -> Mat {
+    let n = a.nrows();
+    Mat::from_fn(2 * n, 2 * n, |i, j| match (i < n, j < n) {
+        (true, true) => a[(i, j)],
+        (true, false) => -g[(i, j - n)],
+        (false, true) => -q[(i - n, j)],
+        (false, false) => -a[(j - n, i - n)],
+    })
+}
