@@ -65,5 +65,6 @@ pub mod report;
 pub mod road;
 pub mod signal;
 pub mod study;
+pub mod synthesis;
 pub mod units;
 pub mod vehicle;

@@ -176,7 +176,10 @@ mod tests {
             let mut y = f.clone();
             lyapunov(t.as_ref(), y.as_mut(), 0.0);
             let rest = (&t * &y + &y * t.transpose() - &f).norm_l2();
-            assert!(rest <= BACKWARD * n as f64 * (2.0 * t.norm_l2() * y.norm_l2() + f.norm_l2()), "{n}: {rest:e}");
+            assert!(
+                rest <= BACKWARD * n as f64 * (2.0 * t.norm_l2() * y.norm_l2() + f.norm_l2()),
+                "{n}: {rest:e}"
+            );
             let mut z: Mat = f.clone();
             sylvester(t.as_ref(), t.as_ref(), z.as_mut(), 0.0);
             assert!((z - &y).norm_l2() <= 1e-12 * y.norm_l2());

@@ -1,0 +1,20 @@
+//! Controllers from plants: regulators and filters, H2 and H∞ designs, what no controller can beat, and certificates.
+//!
+//! A plant is a [`GeneralizedPlant`](crate::lti::GeneralizedPlant); nothing here knows of vehicles. The control law is
+//! u = +K y everywhere.
+
+mod assumptions;
+mod certificate;
+mod error;
+mod h2;
+mod h2_limit;
+mod hinf;
+mod lqr;
+
+pub use assumptions::{Assumption, BrokenAssumption, broken_assumptions};
+pub use certificate::{Certificate, ChannelNorms};
+pub use error::SynthesisError;
+pub use h2::{H2Design, LqgWeights, h2, lqg};
+pub use h2_limit::{H2Limit, full_information, h2_limit};
+pub use hinf::{HinfDesign, HinfSettings, hinf};
+pub use lqr::{Filter, Regulator, kalman, lqr};

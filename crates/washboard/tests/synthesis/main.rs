@@ -1,0 +1,7 @@
+//! Designs: against published numbers, against second routes, and with plants that break an assumption.
+
+#![allow(clippy::unwrap_used)]
+
+mod plants;
+mod quarter_car;
+mod wrong_plants;
