@@ -339,7 +339,7 @@ pub fn wrong(
     }
     if let Some(r) = &found.road {
         check("S0".into(), r.roughness_m3, s0, r.roughness_sd_m3, slack * s0);
-        check("e".into(), r.exponent, e, r.exponent_sd, slack);
+        check("e".into(), r.exponent, e, r.exponent_sd, slack * e);
     }
     if let Some(c) = &found.coherence {
         check("mu".into(), c.mu, mu, c.mu_sd, slack * mu);

@@ -1,7 +1,8 @@
 //! A strictly proper state space from inputs to outputs, its balanced form, and how a wheeled system becomes one.
 
 use super::WheeledSystem;
-use crate::linalg::{C64, CMat, LinalgError, Mat, eigen, lyapunov, solve, solve_complex};
+use super::reduce::{Balanced, balanced};
+use crate::linalg::{C64, CMat, LinalgError, Mat, eigen, solve, solve_complex};
 
 /// Hankel singular values below this share of the largest are not divided by: their states are not in the response.
 const LEAST_HANKEL: f64 = 1e-10;
@@ -89,38 +90,9 @@ impl FirstOrder {
     ///
     /// Source: Laub, Heath, Paige, Ward, IEEE Trans. Automat. Control 32 (1987) 115–122 (square-root method).
     pub fn balanced(&self, order: usize) -> Result<(Self, Vec<f64>), LinalgError> {
-        let controllable = half(&lyapunov(&self.a, &(&self.b * self.b.transpose()))?.x)?;
-        let observable = half(&lyapunov(&self.a.transpose().to_owned(), &(self.c.transpose() * &self.c))?.x)?;
-        let product = observable.transpose() * &controllable;
-        let svd = product
-            .svd()
-            .map_err(|_| LinalgError::NoConvergence { what: "the SVD", order: product.nrows() })?;
-        let hankel: Vec<f64> = svd.S().column_vector().iter().copied().collect();
-        let there = hankel.iter().filter(|h| **h > LEAST_HANKEL * hankel[0]).count();
-        let n = order.min(there);
-        let (u, v) = (svd.U(), svd.V());
-        let right = Mat::from_fn(v.nrows(), n, |i, j| v[(i, j)] / hankel[j].sqrt());
-        let left = Mat::from_fn(u.nrows(), n, |i, j| u[(i, j)] / hankel[j].sqrt());
-        let t = &controllable * right;
-        let t_inverse = (&observable * left).transpose().to_owned();
-        let cut = FirstOrder { a: &t_inverse * &self.a * &t, b: &t_inverse * &self.b, c: &self.c * &t };
-        Ok((cut, hankel))
+        let Balanced { a, b, c, hankel } = balanced(&self.a, &self.b, &self.c, order, LEAST_HANKEL)?;
+        Ok((FirstOrder { a, b, c }, hankel))
     }
-}
-
-/// R with R Rᵀ = W for a positive semidefinite W.
-fn half(w: &Mat) -> Result<Mat, LinalgError> {
-    let n = w.nrows();
-    let e = w
-        .self_adjoint_eigen(faer::Side::Lower)
-        .map_err(|_| LinalgError::NoConvergence { what: "the symmetric QR algorithm", order: n })?;
-    let (u, s) = (e.U(), e.S().column_vector());
-    let largest = s[n - 1];
-    if !(s[0] >= -1e-9 * largest.abs()) {
-        let why = "the system is not stable: its Gramian is not positive";
-        return Err(LinalgError::Singular { what: "balancing", why, value: s[0] });
-    }
-    Ok(Mat::from_fn(n, n, |i, j| u[(i, j)] * s[j].max(0.0).sqrt()))
 }
 
 #[cfg(test)]
