@@ -20,7 +20,7 @@ const AT_M: [[f64; 2]; 4] = [[1.2, 0.75], [1.2, -0.75], [-1.4, 0.75], [-1.4, -0.
 /// `uneven`.
 fn car(uneven: f64) -> WheeledSystem {
     let masses = [1150.0, 1630.0, 530.0, 40.0, 40.0, 45.0, 45.0];
-    let side = |w: usize, v: f64| v * if w % 2 == 0 { 1.0 + uneven } else { 1.0 - uneven };
+    let side = |w: usize, v: f64| v * if w.is_multiple_of(2) { 1.0 + uneven } else { 1.0 - uneven };
     let [k, c] = [[19e3, 19e3, 22e3, 22e3], [1500.0; 4]];
     let (kt, ct, bars) = ([190e3, 190e3, 180e3, 180e3], 150.0, [9e3, 4e3]);
     let corner = |w: usize| {
