@@ -25,4 +25,6 @@ pub use plscf::{
     Constraint, HalfSpectra, PlscfOutcome, PlscfSettings, Spectrum as PlscfSpectrum, plscf, plscf_poles,
 };
 pub use ssi::{SsiOutcome, SsiSettings, ssi_cov};
-pub use tvimm::{FreeDrive, FreeOrder, FreeOutcome, FreeStart, FreeTrial, fit_free_modes};
+pub use tvimm::{
+    FreeDrive, FreeOrder, FreeOutcome, FreeStart, FreeTrial, NoDataStart, data_start, fit_free_modes,
+};

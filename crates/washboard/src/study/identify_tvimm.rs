@@ -136,6 +136,7 @@ fn starts(fitted: &Fitted<'_>, from_file: bool) -> Result<Vec<FreeStart>, StudyE
     let mut starts = vec![FreeStart {
         name: if from_file { "the physical fit from the file" } else { "the physical fit" }.into(),
         far: !fitted.found.problems.is_empty(),
+        base: true,
         system: of(&physical)?,
         roughness_m3: road.roughness_m3.value,
         exponent,
@@ -153,6 +154,7 @@ fn starts(fitted: &Fitted<'_>, from_file: bool) -> Result<Vec<FreeStart>, StudyE
             starts.push(FreeStart {
                 name: name.into(),
                 far: true,
+                base: true,
                 system: of(&generic)?,
                 roughness_m3: road.roughness_m3.value,
                 exponent: 2.0,

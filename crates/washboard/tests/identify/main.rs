@@ -5,6 +5,7 @@
 #[path = "../../examples/common/mod.rs"]
 mod common;
 
+mod kernel;
 mod other_drives;
 mod physical;
 mod speeds;

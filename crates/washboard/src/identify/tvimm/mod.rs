@@ -1,5 +1,6 @@
 //! The track-vehicle interaction modal model with free modes: poles, shapes and the road from spectra, no vehicle file.
 
+mod data_start;
 #[cfg(test)]
 mod derivative_tests;
 mod extra;
@@ -12,6 +13,7 @@ mod outcome;
 mod score;
 mod search;
 
+pub use data_start::{NoDataStart, data_start};
 pub use outcome::{FreeOrder, FreeOutcome, FreeTrial};
 
 use super::likelihood::{BandData, CHI_LIMIT, Drive, FitError, RoadValues, Whitening, mean};
@@ -54,6 +56,9 @@ pub struct FreeStart {
     pub name: String,
     /// Whether it may be far off: noise is then annealed.
     pub far: bool,
+    /// Whether the residual at this start, untouched, may say where a mode more is asked for: not at a start from the data,
+    /// which has bent its modes to stand in for one that lacks.
+    pub base: bool,
     /// Displacements of the sensors per road height under the wheels.
     pub system: FirstOrder,
     /// S₀.
@@ -112,7 +117,7 @@ pub fn fit_free_modes(
     let Some((_, best)) = trials.into_iter().next() else {
         return Err(FitError::Start("no start has a likelihood: are the wheels' places right?".into()));
     };
-    let bases: Vec<Point> = starts.iter().take(2).map(|s| point(&model, s)).collect();
+    let bases: Vec<Point> = starts.iter().filter(|s| s.base).take(2).map(|s| point(&model, s)).collect();
     let chosen = order::choose(&model, best, &bases, drive.band_hz);
     outcome::outcome(&model, drive, &chosen, tried).map_err(FitError::Start)
 }
