@@ -8,7 +8,7 @@ use super::identify_outcome::{Flag, IdentifiedMode, IdentifyOutcome, RunSummary,
 use super::identify_physical::{Fitted, Refusal, fitted, modes, recordings, road_file};
 use super::parts::{self, RoadEstimate};
 use super::{IdentifyMethod, StudyError, shape_points};
-use crate::identify::{FitError, FreeDrive, FreeOutcome, FreeStart, fit_free_modes};
+use crate::identify::{FitError, FreeDrive, FreeOutcome, FreeStart, NoDataStart, data_start, fit_free_modes};
 use crate::linalg::{C64, CMat, eigen, solve_complex};
 use crate::lti::{FirstOrder, Mode, ModeKind, Parametric, WheeledSystem};
 use crate::signal::{Channel, Direction, Place, Quantity};
@@ -90,7 +90,7 @@ fn one(
         Err(Refusal::Wrong(e)) => return Err(e),
     };
     let drive = &fitted.drives[0];
-    let starts = starts(&fitted, file.is_some())?;
+    let mut starts = starts(&fitted, file.is_some())?;
     let system = fitted.families[0].0.system(&values(&fitted.found)).map_err(|e| no_start(&e))?;
     let planes: Vec<[f64; 3]> = channels.iter().map(|c| plane(c, &fitted, &recordings[0])).collect();
     let of_fit = FreeDrive {
@@ -102,6 +102,15 @@ fn one(
         speed_m_s: drive.speed_m_s,
         band_hz: drive.task.band_hz,
     };
+    // the last: it needs longer searches than a generic car, and is there where no two of the others agree
+    let from_data = from_data(&of_fit, &fitted, &recordings[0], 2 * system.system().order());
+    let no_data_start = match from_data {
+        Ok(start) => {
+            starts.push(start);
+            None
+        }
+        Err(e) => Some(e),
+    };
     let found = match fit_free_modes(&of_fit, &starts, drive.task.convention) {
         Ok(found) => found,
         Err(FitError::OneChannel { channel }) => return refuse(format!("one sensor (`{channel}`)")),
@@ -110,6 +119,10 @@ fn one(
     let task = &drive.task;
     let mut outcome = blank(task, IdentifyMethod::Tvimm, Some((&found.freq_hz, &found.fitted)));
     fill(&mut outcome, &found, &fitted, bodies == 0);
+    if let Some(why) = no_data_start {
+        let text = format!("no search started from the data alone: {why}");
+        outcome.notes.push(Flag { name: "no-data-start".into(), text });
+    }
     if !left_out.is_empty() {
         let text = format!("not used: {}", left_out.join("; "));
         outcome.flags.push(Flag { name: "channels-left-out".into(), text });
@@ -163,6 +176,22 @@ fn starts(fitted: &Fitted<'_>, from_file: bool) -> Result<Vec<FreeStart>, StudyE
         }
     }
     Ok(starts)
+}
+
+/// A start from the data alone, by the sensors on the front wheels.
+fn from_data(
+    drive: &FreeDrive<'_>,
+    fitted: &Fitted<'_>,
+    recording: &crate::signal::Recording,
+    states: usize,
+) -> Result<FreeStart, NoDataStart> {
+    let wheels = recording.wheels();
+    let on_wheel = |c: &Channel| {
+        let there = matches!(c.place, Place::Hub | Place::Axle) && c.quantity != Quantity::AngularVelocity;
+        c.wheel.filter(|_| there).and_then(|w| fitted.vehicle.match_wheel(w, wheels).ok())
+    };
+    let on_wheel: Vec<Option<usize>> = recording.channels().iter().map(on_wheel).collect();
+    data_start(drive, &on_wheel, states, fitted.drives[0].task.convention)
 }
 
 /// What a sensor shows of a plane 1, y, x that the vehicle follows, in the vehicle's frame.

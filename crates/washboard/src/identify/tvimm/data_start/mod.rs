@@ -57,9 +57,6 @@ pub enum NoDataStart {
 /// (vector fitting); all parts together are cut to `states` by balanced truncation. A car's sum has its heave, pitch and the
 /// axles' hops, its difference roll and the hops. S₀ is then such that the sensors follow the road statically.
 ///
-/// Not used by `identify`: searches from it alone ended at the answer on 7 of 12 simulated drives, on none of a sports car's
-/// (`examples/study_data_start.rs`).
-///
 /// # Errors
 /// [`NoDataStart`], with the reason.
 pub fn data_start(
@@ -149,16 +146,12 @@ fn responses(
         .collect()
 }
 
-/// A plane's height at a wheel's place, and at a sensor by what it shows of 1, y and x.
-type AtWheel<'a> = &'a dyn Fn([f64; 2]) -> f64;
-type AtSensor<'a> = &'a dyn Fn([f64; 3]) -> f64;
-
 /// The planes of the road that input k has a share of, and what the sensors show of them.
 fn statics(tracks: &Tracks, drive: &FreeDrive<'_>, k: usize) -> Vec<Static> {
     let mean = |axis: usize| drive.at_m.iter().map(|p| p[axis]).sum::<f64>() / drive.at_m.len() as f64;
     let [x, y] = [mean(0), mean(1)];
     // height of a plane at a place, and at a sensor
-    let planes: [(AtWheel<'_>, AtSensor<'_>); 3] = [
+    let planes: [(&dyn Fn([f64; 2]) -> f64, &dyn Fn([f64; 3]) -> f64); 3] = [
         (&|_| 1.0, &|p| p[0]),
         (&|at| at[1] - y, &|p| p[1] - y * p[0]),
         (&|at| at[0] - x, &|p| p[2] - x * p[0]),
