@@ -120,6 +120,7 @@ fn sample() -> Result<IdentifyOutcome, Box<dyn Error>> {
     let mac = shapes.iter().map(|a| shapes.iter().map(|b| likeness(a, b)).collect()).collect();
     let spectra = spectra(&vehicle, &road, &channels, freq_hz.clone(), &mut random)?;
     Ok(IdentifyOutcome {
+        held: Vec::new(),
         converged: true,
         method: "physical".into(),
         notes: vec![],
