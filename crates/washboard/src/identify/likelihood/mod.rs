@@ -5,6 +5,7 @@ pub(crate) mod checks;
 mod covariance;
 mod data;
 mod descent;
+pub(crate) mod limits;
 mod response;
 mod road;
 mod spectra;

@@ -3,31 +3,16 @@
 use super::layout::Kind;
 use super::model::Model;
 use crate::identify::likelihood::{
-    End, LEAST_NOISE, Problem, Score, Spectra, Stop, Whitening, cost, descend, information_bins,
+    End, LEAST_NOISE, Problem, Score, Spectra, Stop, Whitening, cost, descend, information_bins, limits,
 };
 use crate::linalg::Mat;
 use rayon::prelude::*;
 
-/// While noise is raised, e stays within this of 2 and ln μ within that of its start.
-const HELD_EXPONENT: f64 = 0.2;
-const HELD_LN_MU: f64 = 0.25;
-/// Longest steps of e and ln μ, of ln noise, of the logarithms of the vehicle's parameters and S₀, of clocks in s.
-const STEP_ROAD: f64 = 0.4;
-const STEP_NOISE: f64 = 1.5;
-const STEP_VEHICLE: f64 = 0.7;
+/// Longest step of a clock, s.
 const STEP_CLOCK_S: f64 = 0.005;
-/// e is refused outside.
-const EXPONENTS: [f64; 2] = [0.3, 4.0];
-/// ln μ is refused outside.
-const LN_MU: [f64; 2] = [-4.6, 4.6];
-/// ln of the delay's factor: the speed is not 20 % off.
-const LN_DELAY: f64 = 0.2;
 /// A clock is not further off than this, s.
 const CLOCK_S: f64 = 0.2;
-/// Converged: a step gains less than this, and the Newton decrement is below that (a fifth of a standard deviation).
-const GAIN: f64 = 1e-3;
-const DECREMENT: f64 = 0.05;
-/// The same while noise is raised.
+/// Good enough while noise is raised.
 const ROUGH_GAIN: f64 = 0.1;
 const ROUGH_DECREMENT: f64 = 1.0;
 /// Steps while noise is raised, and at the real noise: directions that the sensors hardly see converge linearly.
@@ -139,7 +124,7 @@ impl<'a> Joint<'a> {
             let stop = if rough || early {
                 Stop { max_steps: MAX_STEPS[0], gain: ROUGH_GAIN, decrement: ROUGH_DECREMENT }
             } else {
-                Stop { max_steps: MAX_STEPS[1], gain: GAIN, decrement: DECREMENT }
+                Stop { max_steps: MAX_STEPS[1], gain: limits::GAIN, decrement: limits::DECREMENT }
             };
             let end: End<Stage<'_, '_>> = descend(&problem, theta.clone(), stop)
                 .ok_or("the model's spectrum is not positive definite at the start")?;
@@ -168,16 +153,14 @@ impl<'a> Joint<'a> {
         (0..self.len())
             .map(|i| match self.kind(i).1 {
                 Kind::Vehicle => vehicle[i].map(f64::ln),
-                Kind::Roughness => [start[i] - 8.0, start[i] + 8.0],
-                Kind::Exponent if held => [2.0 - HELD_EXPONENT, 2.0 + HELD_EXPONENT],
-                Kind::Exponent => EXPONENTS,
-                Kind::Mu if held => [start[i] - HELD_LN_MU, start[i] + HELD_LN_MU],
-                Kind::Mu => LN_MU,
-                Kind::Delay => [-LN_DELAY, LN_DELAY],
+                Kind::Roughness => limits::ln_s0(start[i]),
+                Kind::Exponent => limits::exponent(held),
+                Kind::Mu => limits::ln_mu(start[i], held),
+                Kind::Delay => limits::LN_DELAY,
                 // the first channel's is the clock that the others are compared with
                 Kind::Clock(0) => [0.0, 0.0],
                 Kind::Clock(_) => [-CLOCK_S, CLOCK_S],
-                Kind::Noise(_) => [LEAST_NOISE.ln(), 1e6f64.ln()],
+                Kind::Noise(_) => limits::ln_noise(),
             })
             .collect()
     }
@@ -249,10 +232,10 @@ impl Problem for Stage<'_, '_> {
     fn clip(&self, step: &mut [f64], (): &()) {
         for (i, s) in step.iter_mut().enumerate() {
             let limit = match self.joint.kind(i).1 {
-                Kind::Noise(_) => STEP_NOISE,
-                Kind::Exponent | Kind::Mu => STEP_ROAD,
+                Kind::Noise(_) => limits::STEP_NOISE,
+                Kind::Exponent | Kind::Mu => limits::STEP_ROAD,
                 Kind::Clock(_) => STEP_CLOCK_S,
-                _ => STEP_VEHICLE,
+                _ => limits::STEP_LEVEL,
             };
             *s = s.clamp(-limit, limit);
         }

@@ -4,29 +4,14 @@ use super::model::{Evaluation, FreeModel, Point, RATE};
 use super::orbit::{Entries, complement};
 use super::score;
 use crate::identify::likelihood::{
-    End, LEAST_NOISE, Problem, RoadValues, Score, Spectra, Stop, Whitening, descend, mean,
+    End, LEAST_NOISE, Problem, RoadValues, Score, Spectra, Stop, Whitening, descend, limits, mean,
 };
 use crate::linalg::Mat;
 use crate::lti::FirstOrder;
 
-/// While noise is raised, e stays within this of 2 and ln μ within that of its start.
-const HELD_EXPONENT: f64 = 0.2;
-const HELD_LN_MU: f64 = 0.25;
-/// e, ln μ and the logarithm of the delay's factor are refused outside.
-const EXPONENTS: [f64; 2] = [0.3, 4.0];
-const LN_MU: [f64; 2] = [-4.6, 4.6];
-const LN_DELAY: f64 = 0.2;
-/// ln S₀ from its start.
-const LN_S0: f64 = 8.0;
-/// Longest steps: of an entry of the balanced state space, of e and ln μ, of ln S₀ and the delay, of ln noise.
+/// Longest step of an entry of the balanced state space.
 const STEP_ENTRY: f64 = 0.5;
-const STEP_ROAD: f64 = 0.4;
-const STEP_LEVEL: f64 = 0.7;
-const STEP_NOISE: f64 = 1.5;
-/// Converged: a step gains less than this, and the Newton decrement is below that.
-const GAIN: f64 = 1e-3;
-const DECREMENT: f64 = 0.05;
-/// The same while noise is raised.
+/// Good enough while noise is raised.
 const ROUGH_GAIN: f64 = 0.5;
 const ROUGH_DECREMENT: f64 = 3.0;
 /// Steps while noise is raised, and at the real noise; and as many more there where the model explains the data by then.
@@ -80,7 +65,7 @@ pub(super) fn search(model: &FreeModel, start: &Point, annealing: &[f64], patien
         let stop = if rough {
             Stop { max_steps: MAX_STEPS[0], gain: ROUGH_GAIN, decrement: ROUGH_DECREMENT }
         } else {
-            Stop { max_steps: MAX_STEPS[1], gain: GAIN, decrement: DECREMENT }
+            Stop { max_steps: MAX_STEPS[1], gain: limits::GAIN, decrement: limits::DECREMENT }
         };
         let mut end: End<Stage<'_>> = descend(&stage, at.clone(), stop)?;
         steps += end.steps;
@@ -123,15 +108,14 @@ fn raised(model: &FreeModel, share: f64) -> Spectra {
 }
 
 fn limits(model: &FreeModel, start: &RoadValues, held: bool) -> [[f64; 2]; 4] {
-    let around = |x: f64, by: f64| [x - by, x + by];
     let differs = |axis: usize| model.at_m.iter().any(|p| (p[axis] - model.at_m[0][axis]).abs() > 1e-9);
     let fixed = |free: bool, limits: [f64; 2], at: f64| if free { limits } else { [at, at] };
     let ln_mu = start.mu.max(1e-9).ln();
     [
-        around(start.ln_s0, LN_S0),
-        if held { around(2.0, HELD_EXPONENT) } else { EXPONENTS },
-        fixed(differs(1), if held { around(ln_mu, HELD_LN_MU) } else { LN_MU }, ln_mu),
-        fixed(differs(0), [-LN_DELAY, LN_DELAY], 0.0),
+        limits::ln_s0(start.ln_s0),
+        limits::exponent(held),
+        fixed(differs(1), limits::ln_mu(ln_mu, held), ln_mu),
+        fixed(differs(0), limits::LN_DELAY, 0.0),
     ]
 }
 
@@ -234,9 +218,9 @@ impl Problem for Stage<'_> {
                 continue;
             }
             let limit = match i - free {
-                0 | 3 => STEP_LEVEL,
-                1 | 2 => STEP_ROAD,
-                _ => STEP_NOISE,
+                0 | 3 => limits::STEP_LEVEL,
+                1 | 2 => limits::STEP_ROAD,
+                _ => limits::STEP_NOISE,
             };
             *s = s.clamp(-limit, limit);
         }
@@ -254,7 +238,8 @@ impl Problem for Stage<'_> {
             ln_delay: x[3] + step[free + 3],
         });
         let noise = at.ln_noise.iter().zip(&step[free + 4..]);
-        let ln_noise = noise.map(|(n, s)| (n + s).clamp(LEAST_NOISE.ln(), 1e6f64.ln())).collect();
+        let [lowest, highest] = limits::ln_noise();
+        let ln_noise = noise.map(|(n, s)| (n + s).clamp(lowest, highest)).collect();
         Point { system, road, ln_noise }
     }
 }
