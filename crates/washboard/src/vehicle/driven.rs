@@ -15,6 +15,8 @@ pub(super) struct Driven {
     /// Outputs × states; a row means nothing where the output is not [`Growth::Finite`].
     pub c: Mat,
     pub growth: Vec<Growth>,
+    /// What the rows of C are.
+    pub outputs: Vec<Output>,
 }
 
 /// What becomes of an output's variance.
@@ -158,7 +160,8 @@ impl Driven {
                 Growth::Wandering
             });
         }
-        Ok(Some(Driven { a, b, c, growth }))
+        let outputs = outputs.iter().map(|o| (*o).clone()).collect();
+        Ok(Some(Driven { a, b, c, growth, outputs }))
     }
 }
 

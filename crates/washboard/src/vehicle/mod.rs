@@ -2,6 +2,7 @@
 
 mod body;
 mod bounce_truck;
+mod controlled;
 mod damper;
 mod driven;
 mod full_car;
@@ -23,6 +24,7 @@ mod truck_cabin;
 mod values;
 
 pub use bounce_truck::BounceTruck;
+pub use controlled::{Control, ControlError};
 pub use damper::{Damper, DamperCurve};
 pub use full_car::FullCar;
 pub use generic::{GenericStart, Symmetry};

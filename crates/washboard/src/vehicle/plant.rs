@@ -188,7 +188,8 @@ impl Vehicle {
         let (n, w, m) = (self.system().order(), self.wheels().len(), self.actuators().len());
         let over_m = |x: &Mat| solve(self.system().m(), x);
         let (mk, mc) = (over_m(self.system().k())?, over_m(self.system().c())?);
-        let (mcw, mbu) = (over_m(self.wheel_damping())?, over_m(&self.actuator_columns())?);
+        let (mcw, mbu) =
+            (over_m(self.wheel_damping())?, over_m(&self.actuator_columns(&(0..m).collect::<Vec<_>>()))?);
         let t = solve(self.system().k(), self.wheel_stiffness())?;
         // outputs' dependence on heights that stand still, and an orthonormal basis of it
         let p = outputs.len();
@@ -257,7 +258,8 @@ impl Vehicle {
         let (n, w, m) = (self.system().order(), self.wheels().len(), self.actuators().len());
         let over_m = |x: &Mat| solve(self.system().m(), x);
         let (mk, mc) = (over_m(self.system().k())?, over_m(self.system().c())?);
-        let (mkw, mbu) = (over_m(self.wheel_stiffness())?, over_m(&self.actuator_columns())?);
+        let (mkw, mbu) =
+            (over_m(self.wheel_stiffness())?, over_m(&self.actuator_columns(&(0..m).collect::<Vec<_>>()))?);
         // q̇ = p + J r
         let jump = over_m(self.wheel_damping())?;
         let slowed = &mc * &jump;
@@ -301,11 +303,6 @@ impl Vehicle {
             o.q[1].iter().enumerate().for_each(|(k, v)| c[(i, n + k)] += v);
         }
         Ok(StateSpace::continuous(a, b, c, d)?)
-    }
-
-    fn actuator_columns(&self) -> Mat {
-        let actuators = self.actuators();
-        Mat::from_fn(self.system().order(), actuators.len(), |i, j| actuators[j].column[i])
     }
 }
 
@@ -386,7 +383,7 @@ mod tests {
         let plant = car.plant(&z, &z, &on(&road, Disturbance::RoadVelocity)).unwrap();
         let (omega, nw) = (7.0, plant.nw());
         let g = plant.system().at(C64::new(0.0, omega)).unwrap();
-        let columns = car.actuator_columns();
+        let columns = car.actuator_columns(&[0, 1]);
         let forces = CMat::from_fn(columns.nrows(), 2, |i, j| C64::new(columns[(i, j)], 0.0));
         let q = crate::linalg::solve_complex(&car.system().dynamic_stiffness(omega), &forces).unwrap();
         for (i, o) in z.iter().enumerate() {

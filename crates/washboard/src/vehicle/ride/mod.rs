@@ -3,8 +3,8 @@
 mod quadrature;
 
 use super::driven::{Driven, Growth, sources};
-use super::{Output, Vehicle};
-use crate::linalg::{CMat, LinalgError, Mat, eigen, expm, lyapunov};
+use super::{Control, ControlError, Output, Vehicle};
+use crate::linalg::{C64, CMat, LinalgError, Mat, eigen, expm, lyapunov};
 use crate::road::{Coherence, Road, wheel_spectrum};
 use thiserror::Error;
 
@@ -43,6 +43,9 @@ pub enum RideError {
         /// What it should reach.
         expected: f64,
     },
+    /// A controller that can't be used on this road.
+    #[error(transparent)]
+    Control(#[from] ControlError),
     /// Linear algebra refused.
     #[error(transparent)]
     Linalg(#[from] LinalgError),
@@ -75,6 +78,7 @@ pub struct Ride<'a> {
     road: &'a Road,
     speed_m_s: f64,
     places: Vec<[f64; 2]>,
+    control: Option<&'a Control>,
 }
 
 impl<'a> Ride<'a> {
@@ -89,18 +93,66 @@ impl<'a> Ride<'a> {
         if vehicle.wheels().is_empty() {
             return Err(RideError::NoWheels);
         }
-        let a = vehicle.system().state_matrix().map_err(|_| LinalgError::Singular {
+        let ride = Ride { vehicle, road, speed_m_s, places: vehicle.wheel_places(), control: None };
+        ride.check_damped()?;
+        Ok(ride)
+    }
+
+    /// A ride with a controller in its loop.
+    ///
+    /// # Errors
+    /// As [`Ride::new`], of the closed loop.
+    pub fn controlled(
+        vehicle: &'a Vehicle,
+        road: &'a Road,
+        speed_m_s: f64,
+        control: &'a Control,
+    ) -> Result<Self, RideError> {
+        // a vehicle that only its controller damps may ride
+        let ride = match Ride::new(vehicle, road, speed_m_s) {
+            Ok(ride) => ride,
+            Err(RideError::NotDamped { .. }) => {
+                Ride { vehicle, road, speed_m_s, places: vehicle.wheel_places(), control: None }
+            }
+            Err(e) => return Err(e),
+        };
+        let ride = Ride { control: Some(control), ..ride };
+        ride.check_damped()?;
+        Ok(ride)
+    }
+
+    /// Poles of the vehicle, or of the loop.
+    fn poles(&self) -> Result<Vec<C64>, RideError> {
+        if let Some(control) = self.control {
+            return Ok(control.poles().to_vec());
+        }
+        let a = self.vehicle.system().state_matrix().map_err(|_| LinalgError::Singular {
             what: "M",
             why: "the mass matrix is singular",
             value: 0.0,
         })?;
-        let (poles, _) = eigen(&a)?;
+        Ok(eigen(&a)?.0)
+    }
+
+    fn check_damped(&self) -> Result<(), RideError> {
+        let poles = self.poles()?;
         let largest = poles.iter().map(|p| p.norm()).fold(0.0, f64::max);
         // an undamped pair is computed with a real part of the order of ε |λ|max
-        if let Some(p) = poles.iter().find(|p| p.re >= -1e-13 * largest) {
-            return Err(RideError::NotDamped { re: p.re, im: p.im });
+        match poles.iter().find(|p| p.re >= -1e-13 * largest) {
+            Some(p) => Err(RideError::NotDamped { re: p.re, im: p.im }),
+            None => Ok(()),
         }
-        Ok(Ride { vehicle, road, speed_m_s, places: vehicle.wheel_places() })
+    }
+
+    /// Responses of outputs per road height (outputs × wheels).
+    ///
+    /// # Errors
+    /// A dynamic stiffness that is singular at ω.
+    pub fn response(&self, outputs: &[&Output], omega_rad_s: f64) -> Result<CMat, LinalgError> {
+        match self.control {
+            Some(control) => control.output_response(self.vehicle, outputs, omega_rad_s),
+            None => self.vehicle.output_response(outputs, omega_rad_s),
+        }
     }
 
     /// The exact spectrum matrix of outputs at ω > 0, S_y = H* S_r Hᵀ (two-sided, unit²·s/rad).
@@ -110,7 +162,7 @@ impl<'a> Ride<'a> {
     /// # Errors
     /// A dynamic stiffness that is singular at ω.
     pub fn spectrum(&self, outputs: &[&Output], omega_rad_s: f64) -> Result<CMat, RideError> {
-        let h = self.vehicle.output_response(outputs, omega_rad_s)?;
+        let h = self.response(outputs, omega_rad_s)?;
         let s = wheel_spectrum(self.road, &self.places, omega_rad_s, self.speed_m_s);
         Ok(h.conjugate() * s * h.transpose())
     }
@@ -176,7 +228,12 @@ impl<'a> Ride<'a> {
     }
 
     fn driven(&self, outputs: &[&Output]) -> Result<Option<Driven>, RideError> {
-        Ok(Driven::new(self.vehicle, self.road, self.speed_m_s, outputs)?)
+        let Some(control) = self.control else {
+            return Ok(Driven::new(self.vehicle, self.road, self.speed_m_s, outputs)?);
+        };
+        let all: Vec<&Output> = outputs.iter().copied().chain(control.measurements()).collect();
+        let open = Driven::new(self.vehicle, self.road, self.speed_m_s, &all)?;
+        Ok(open.map(|open| control.close(self.vehicle, open)).transpose()?)
     }
 
     /// E\[x(t) x(t + τ)ᵀ\] of the driven state.

@@ -1,7 +1,7 @@
 //! A ride's integrals over frequency: variances and covariances of any road, by adaptive quadrature.
 
 use super::{CANCELLED_VARIANCE, Ride, RideError, Variance, infinite};
-use crate::linalg::{C64, CMat, Integral, Mat, eigen, integrate};
+use crate::linalg::{C64, CMat, Integral, Mat, integrate};
 use crate::road::{Coherence, wheel_spectrum, wheel_spectrum_without_delayed};
 use crate::vehicle::Output;
 use crate::vehicle::driven::Growth;
@@ -122,7 +122,7 @@ impl Ride<'_> {
         if !averaged {
             return self.spectrum(outputs, omega);
         }
-        let h = self.vehicle.output_response(outputs, omega)?;
+        let h = self.response(outputs, omega)?;
         let s = wheel_spectrum_without_delayed(self.road, &self.places, omega, self.speed_m_s);
         Ok(h.conjugate() * s * h.transpose())
     }
@@ -135,7 +135,7 @@ impl Ride<'_> {
         averaged: bool,
         out: &mut [f64],
     ) -> Result<(), RideError> {
-        let h = self.vehicle.output_response(outputs, omega)?;
+        let h = self.response(outputs, omega)?;
         let under = if averaged { wheel_spectrum_without_delayed } else { wheel_spectrum };
         let s = under(self.road, &self.places, omega, self.speed_m_s);
         let w = s.nrows();
@@ -162,6 +162,7 @@ impl Ride<'_> {
             road: &apart,
             speed_m_s: self.speed_m_s,
             places: self.places.clone(),
+            control: self.control,
         };
         let size = apart.integrate_to(outputs, ROUGH_TOLERANCE, &[])?.values;
         let floor: Vec<f64> = size.iter().map(|v| CANCELLED_VARIANCE * v).collect();
@@ -217,8 +218,7 @@ impl Ride<'_> {
     }
 
     fn pole_sizes(&self) -> Vec<f64> {
-        let poles = self.vehicle.system().state_matrix().ok().and_then(|a| eigen(&a).ok());
-        poles.map(|(p, _)| p.iter().map(|p| p.norm()).collect()).unwrap_or_default()
+        self.poles().map(|p| p.iter().map(|p| p.norm()).collect()).unwrap_or_default()
     }
 
     /// Band edges, poles and corners, and panels that follow e^{iωτ} of the longest delay.
