@@ -34,6 +34,7 @@ enum Command {
     Simulate(commands::simulate::Arguments),
     Identify(commands::identify::Arguments),
     Compare(commands::compare::Arguments),
+    Design(commands::design::Arguments),
     Report(commands::report::Arguments),
 }
 
@@ -47,6 +48,7 @@ fn main() -> ExitCode {
         Command::Ride(a) => commands::ride::run(a, cli.output),
         Command::Simulate(a) => commands::simulate::run(a, cli.output),
         Command::Identify(a) => commands::identify::run(a, cli.output),
+        Command::Design(a) => commands::design::run(a, cli.output),
         Command::Compare(a) => commands::compare::run(a, cli.output),
         Command::Report(a) => commands::report::run(a, cli.output),
     };

@@ -4,6 +4,7 @@ pub mod cases;
 pub mod compare;
 pub mod damping;
 pub mod demo;
+pub mod design;
 pub mod identify;
 pub mod modes;
 pub mod report;

@@ -7,13 +7,15 @@ use serde::Serialize;
 use std::path::PathBuf;
 use std::process::ExitCode;
 use washboard::files::write_whole;
-use washboard::report::{compare_page, identify_page};
-use washboard::study::{CompareOutcome, Envelope, is_result_of, read_identification, read_result};
+use washboard::report::{compare_page, design_page, identify_page};
+use washboard::study::{
+    CompareOutcome, DesignOutcome, Envelope, is_result_of, read_identification, read_result,
+};
 
 /// Write report.html again from result.json.
 #[derive(Debug, Args)]
 pub struct Arguments {
-    /// What `identify -o DIR`, `demo -o DIR` or `compare -o DIR` wrote.
+    /// What `identify -o DIR`, `demo -o DIR`, `compare -o DIR` or `design -o DIR` wrote.
     #[arg(value_name = "DIR")]
     directory: PathBuf,
 }
@@ -29,6 +31,12 @@ pub fn run(arguments: Arguments, output: Output) -> Result<ExitCode, Failure> {
     let (inputs, text) = if is_result_of(&arguments.directory, "compare") {
         let result = read_result::<CompareOutcome>(&file)?;
         (result.inputs, compare_page(&result.outcome, &compare::title(&result.outcome)))
+    } else if is_result_of(&arguments.directory, "design") {
+        let result = read_result::<DesignOutcome>(&file)?;
+        let title = result.inputs.first().map(|i| i.path.clone()).unwrap_or_default();
+        let title =
+            PathBuf::from(title).file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
+        (result.inputs, design_page(&result.outcome, &title))
     } else {
         let (_, result) = read_identification(&file)?;
         let title = match result.command.as_str() {

@@ -3,6 +3,7 @@
 use crate::output::{Failure, Output};
 use crate::table::{Table, number};
 use clap::Args;
+use std::path::PathBuf;
 use std::process::ExitCode;
 use washboard::study::{Envelope, RideOutcome, RideSpec, Rms, ride};
 
@@ -17,13 +18,16 @@ pub struct Arguments {
     /// Forward speed in m/s.
     #[arg(long, value_name = "V", allow_negative_numbers = true)]
     speed_m_s: f64,
+    /// A controller in the loop: what `design -o DIR` wrote, or a JSON file {a, b, c, d, inputs, outputs}.
+    #[arg(long, value_name = "FILE")]
+    controller: Option<PathBuf>,
 }
 
 /// Prints the ride.
 pub fn run(arguments: Arguments, output: Output) -> Result<ExitCode, Failure> {
-    let Arguments { vehicle, road, speed_m_s } = arguments;
+    let Arguments { vehicle, road, speed_m_s, controller } = arguments;
     let progress = output.progress("riding");
-    let result = ride(&RideSpec { vehicle, road, speed_m_s });
+    let result = ride(&RideSpec { vehicle, road, speed_m_s, controller });
     drop(progress);
     let (outcome, inputs) = result?;
     output.print(&Envelope::new("ride", inputs, outcome), table)?;

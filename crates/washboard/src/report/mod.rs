@@ -2,6 +2,7 @@
 
 mod argand;
 mod compare;
+mod design;
 mod fit;
 mod foot;
 mod headline;
@@ -27,6 +28,7 @@ mod fixture;
 
 use crate::study::IdentifyOutcome;
 pub use compare::compare_page;
+pub use design::design_page;
 
 use html::Html;
 use page::{Page, Section};

@@ -3,7 +3,8 @@
 use crate::cases::CaseError;
 use crate::files::FileError;
 use crate::signal::SignalError;
-use crate::vehicle::{LineariseError, RideError, SimulateError, VehicleError};
+use crate::synthesis::SynthesisError;
+use crate::vehicle::{ControlError, LineariseError, PlantError, RideError, SimulateError, VehicleError};
 use thiserror::Error;
 
 /// What is refused of a job.
@@ -38,6 +39,30 @@ pub enum StudyError {
         name: String,
         /// Why.
         source: LineariseError,
+    },
+    /// A vehicle that is no plant on this road, with these outputs.
+    #[error("{name}: {source}")]
+    Plant {
+        /// The vehicle's file or `case:NAME`.
+        name: String,
+        /// Why.
+        source: PlantError,
+    },
+    /// A design that cannot be computed.
+    #[error("{name}: {source}")]
+    Design {
+        /// The vehicle's file or `case:NAME`.
+        name: String,
+        /// Why.
+        source: SynthesisError,
+    },
+    /// A controller that cannot be used.
+    #[error("{name}: {source}")]
+    Controller {
+        /// Its file.
+        name: String,
+        /// Why.
+        source: ControlError,
     },
     /// A drive that cannot be simulated.
     #[error(transparent)]

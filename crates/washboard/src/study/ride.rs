@@ -73,7 +73,15 @@ pub fn ride(spec: &RideSpec) -> Result<(RideOutcome, Vec<Input>), StudyError> {
     let road = load_road(&spec.road)?;
     let fail = |source| StudyError::Ride { name: loaded.name.clone(), source };
     check_speed(spec.speed_m_s)?;
-    let ride = Ride::new(&loaded.vehicle, &road.road, spec.speed_m_s).map_err(fail)?;
+    let control = match &spec.controller {
+        Some(path) => Some(super::controller_files::control(&loaded.vehicle, path)?),
+        None => None,
+    };
+    let ride = match &control {
+        Some((control, _)) => Ride::controlled(&loaded.vehicle, &road.road, spec.speed_m_s, control),
+        None => Ride::new(&loaded.vehicle, &road.road, spec.speed_m_s),
+    }
+    .map_err(fail)?;
     let outputs: Vec<&Output> = loaded.vehicle.outputs().iter().collect();
     let variances = ride.variances(&outputs).map_err(fail)?;
     let freq_hz = grid_hz(road.road.spectrum().band_rad_s(spec.speed_m_s));
@@ -93,7 +101,8 @@ pub fn ride(spec: &RideSpec) -> Result<(RideOutcome, Vec<Input>), StudyError> {
         units,
         spectra: RideSpectra { freq_hz, psd },
     };
-    Ok((outcome, loaded.inputs.into_iter().chain(road.inputs).collect()))
+    let inputs = loaded.inputs.into_iter().chain(road.inputs).chain(control.map(|(_, input)| input));
+    Ok((outcome, inputs.collect()))
 }
 
 /// Refuses a speed that is none, before it is blamed on a vehicle.
@@ -161,7 +170,12 @@ mod tests {
     use super::*;
 
     fn spec(vehicle: &str, road: &str) -> RideSpec {
-        RideSpec { vehicle: format!("case:{vehicle}"), road: format!("case:{road}"), speed_m_s: 20.0 }
+        RideSpec {
+            vehicle: format!("case:{vehicle}"),
+            road: format!("case:{road}"),
+            speed_m_s: 20.0,
+            controller: None,
+        }
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! What a job is told: exactly what a command line gives, as data.
 
-use super::StudyError;
+use super::{DesignSpec, StudyError};
 use crate::units::Convention;
 use crate::vehicle::Stretch;
 use serde::{Deserialize, Serialize};
@@ -24,6 +24,8 @@ pub enum Spec {
     Damping(DampingSpec),
     /// See [`compare`](super::compare).
     Compare(CompareSpec),
+    /// See [`design`](super::design).
+    Design(Box<DesignSpec>),
 }
 
 /// The modes of a vehicle.
@@ -44,6 +46,9 @@ pub struct RideSpec {
     pub road: String,
     /// Forward speed.
     pub speed_m_s: f64,
+    /// A controller in the loop: a design's directory or `result.json`, or a file `{a, b, c, d, inputs, outputs}`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub controller: Option<PathBuf>,
 }
 
 /// Equivalent linear damping of dampers with curves.

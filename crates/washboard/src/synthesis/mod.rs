@@ -14,7 +14,7 @@ mod lqr;
 pub use assumptions::{Assumption, BrokenAssumption, broken_assumptions};
 pub use certificate::{Certificate, ChannelNorms};
 pub use error::SynthesisError;
-pub use h2::{H2Design, LqgWeights, h2, lqg};
+pub use h2::{H2Design, LqgWeights, h2, lqg, lqg_plant};
 pub use h2_limit::{H2Limit, full_information, h2_limit};
 pub use hinf::{HinfDesign, HinfSettings, hinf};
 pub use lqr::{Filter, Regulator, kalman, lqr};

@@ -12,6 +12,7 @@ mod known;
 mod linearise;
 mod matrices;
 mod multi_axle;
+mod overrides;
 mod parametric;
 mod plant;
 mod quarter_car;

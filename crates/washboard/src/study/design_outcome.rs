@@ -1,0 +1,136 @@
+//! What a design gives, as it is written to `result.json`.
+
+use super::{DesignSpec, Flag, Named, Rms};
+use crate::linalg::Mat;
+use crate::lti::{Continuous, LtiError, StateSpace};
+use serde::{Deserialize, Serialize};
+
+/// A controller with its certificate, or why there is none.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct DesignOutcome {
+    /// How it ended.
+    pub status: DesignStatus,
+    /// In words, where it is not designed.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub why: Option<String>,
+    /// What was asked.
+    pub design: DesignSpec,
+    /// The controller; only a success has one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub controller: Option<ControllerFile>,
+    /// States of the controller.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub order: Option<usize>,
+    /// What the synthesis says of its result: `h2`, `gamma`, `limit` …
+    pub claimed: Named<f64>,
+    /// Recomputed from vehicle and controller alone.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub verified: Option<Measured>,
+    /// The vehicle without control.
+    pub passive: Measured,
+    /// The value of the goal: 1 or the like for the passive vehicle, smaller is better.
+    pub objective: Named<f64>,
+    /// What a reader must know before the numbers.
+    pub warnings: Vec<Flag>,
+    /// What holds for every such result.
+    pub notes: Vec<Flag>,
+    /// Gains over frequency from the disturbances to each output (largest singular value), passive and closed.
+    pub gains: Gains,
+    /// Forces that the controller needs, N rms on the road, by actuator; empty where they are infinite or none.
+    pub forces: Named<Rms>,
+}
+
+/// How a design ended.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum DesignStatus {
+    /// There is a controller, and the loop confirms what is claimed.
+    Designed,
+    /// A value was asked for, and no controller belongs to it (`h2-limit`).
+    Limit,
+    /// No controller meets what is asked.
+    Infeasible,
+    /// The method ended without success.
+    Stalled,
+    /// A controller was found, and its loop contradicts it.
+    Refused,
+}
+
+/// Norms and rms of a loop.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+pub struct Measured {
+    /// Poles, 1/s.
+    pub poles: Vec<[f64; 2]>,
+    /// Whether all are in the open left half plane.
+    pub stable: bool,
+    /// H2 norms from the disturbances by output and stacked vector.
+    pub h2: Named<Rms>,
+    /// H∞ norms.
+    pub hinf: Named<f64>,
+    /// Where these are attained, rad/s; null at infinity.
+    pub hinf_at_rad_s: Named<Option<f64>>,
+    /// rms on the road at the speed given, the road's part alone, delays exact.
+    pub rms: Named<Rms>,
+    /// rms with the sensors' noise (`lqg`).
+    #[serde(default, skip_serializing_if = "Named::is_empty")]
+    pub rms_with_noise: Named<Rms>,
+}
+
+/// Largest singular values over frequency.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+pub struct Gains {
+    /// Hz.
+    pub freq_hz: Vec<f64>,
+    /// Without control.
+    pub passive: Named<Vec<f64>>,
+    /// With it; empty where there is none.
+    pub closed: Named<Vec<f64>>,
+}
+
+/// A controller as it is written: u = +K y, K = C(sI − A)⁻¹B + D.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ControllerFile {
+    /// Rows of A.
+    pub a: Vec<Vec<f64>>,
+    /// Rows of B.
+    pub b: Vec<Vec<f64>>,
+    /// Rows of C.
+    pub c: Vec<Vec<f64>>,
+    /// Rows of D.
+    pub d: Vec<Vec<f64>>,
+    /// Outputs of the vehicle that it measures.
+    pub inputs: Vec<String>,
+    /// Actuators that it drives.
+    pub outputs: Vec<String>,
+}
+
+impl ControllerFile {
+    /// From a state space and names.
+    #[must_use]
+    pub fn new(k: &StateSpace<Continuous>, inputs: Vec<String>, outputs: Vec<String>) -> Self {
+        let rows = |m: &Mat| (0..m.nrows()).map(|i| (0..m.ncols()).map(|j| m[(i, j)]).collect()).collect();
+        ControllerFile { a: rows(k.a()), b: rows(k.b()), c: rows(k.c()), d: rows(k.d()), inputs, outputs }
+    }
+
+    /// The state space.
+    ///
+    /// # Errors
+    /// Rows that do not make matrices that fit each other and the names; numbers that are not finite.
+    pub fn state_space(&self) -> Result<StateSpace<Continuous>, LtiError> {
+        let (n, m, p) = (self.a.len(), self.inputs.len(), self.outputs.len());
+        let matrix = |name: &'static str, rows: &[Vec<f64>], expected: (usize, usize)| {
+            let found = rows.iter().find(|r| r.len() != expected.1).map_or(expected.1, Vec::len);
+            if rows.len() != expected.0 || found != expected.1 {
+                return Err(LtiError::Shape { name, expected, found: (rows.len(), found) });
+            }
+            Ok(Mat::from_fn(expected.0, expected.1, |i, j| rows[i][j]))
+        };
+        StateSpace::continuous(
+            matrix("controller.a", &self.a, (n, n))?,
+            matrix("controller.b", &self.b, (n, m))?,
+            matrix("controller.c", &self.c, (p, n))?,
+            matrix("controller.d", &self.d, (p, m))?,
+        )
+    }
+}

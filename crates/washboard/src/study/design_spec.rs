@@ -1,0 +1,218 @@
+//! What a design is told: a DESIGN.toml as data.
+
+use super::{Named, StudyError};
+use crate::vehicle::Disturbance;
+use serde::{Deserialize, Serialize};
+use std::path::PathBuf;
+
+/// A design. Vehicle and road are files or `case:NAME`; a file's path is relative to the design's own.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct DesignSpec {
+    /// A vehicle file or `case:NAME`.
+    pub vehicle: String,
+    /// A road file or `case:NAME`.
+    pub road: String,
+    /// Forward speed.
+    pub speed_m_s: f64,
+    /// What the controller sees: outputs of the vehicle; a name without its corner means all corners.
+    pub measurements: Vec<String>,
+    /// How the controller is found.
+    pub method: DesignMethod,
+    /// What H2 and H∞ norms are taken from.
+    #[serde(default)]
+    pub disturbance: DesignDisturbance,
+    /// Vehicle fields with other values: dotted names, a bare one means every axle.
+    #[serde(default, skip_serializing_if = "Named::is_empty")]
+    pub r#override: Named<f64>,
+    /// Vehicle fields at which the passive norms that weights refer to are taken; without it, those of the vehicle itself.
+    #[serde(default, skip_serializing_if = "Named::is_empty")]
+    pub normalize_at: Named<f64>,
+    /// ρ of every control: ρ u² is added to the cost, N⁻² (`lqg`, `h2-limit`); √ρ u is a performance (`hinf`).
+    #[serde(default)]
+    pub input_weight: f64,
+    /// Order of Padé's approximation of the delay of wheels that follow.
+    #[serde(default = "delay_order")]
+    pub delay_order: usize,
+    /// What is to be small.
+    #[serde(default)]
+    pub goal: Goal,
+    /// Noises of `lqg`.
+    #[serde(default)]
+    pub lqg: LqgSection,
+    /// Step of the controller as it is written for use, s; none without it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub discretize: Option<Discretize>,
+}
+
+fn delay_order() -> usize {
+    crate::vehicle::DELAY_ORDER
+}
+
+/// How a controller is found.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum DesignMethod {
+    /// The regulator on a Kalman filter: least Σ(wᵢ‖Tᵢ‖₂/‖Gᵢ‖₂)² under sensor noise.
+    #[default]
+    Lqg,
+    /// No controller, but the cost that none can beat as sensor noise vanishes.
+    H2Limit,
+    /// The least H∞ norm of all weighted outputs together.
+    Hinf,
+}
+
+impl DesignMethod {
+    /// As it is written.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            DesignMethod::Lqg => "lqg",
+            DesignMethod::H2Limit => "h2-limit",
+            DesignMethod::Hinf => "hinf",
+        }
+    }
+}
+
+/// What drives the norms.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum DesignDisturbance {
+    /// The velocity of the road, m/s.
+    #[default]
+    RoadVelocity,
+    /// Its height, m.
+    RoadDisplacement,
+    /// The white noise behind the road's filter.
+    RoadNoise,
+}
+
+impl From<DesignDisturbance> for Disturbance {
+    fn from(d: DesignDisturbance) -> Self {
+        match d {
+            DesignDisturbance::RoadVelocity => Disturbance::RoadVelocity,
+            DesignDisturbance::RoadDisplacement => Disturbance::RoadDisplacement,
+            DesignDisturbance::RoadNoise => Disturbance::RoadNoise,
+        }
+    }
+}
+
+/// Outputs and their weights; a name without its corner is the stacked vector, with one joint norm.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Goal {
+    /// In the method's own norm.
+    #[serde(default, skip_serializing_if = "Named::is_empty")]
+    pub minimize: Named<f64>,
+    /// In the H2 norm, said explicitly.
+    #[serde(default, skip_serializing_if = "Named::is_empty")]
+    pub minimize_h2: Named<f64>,
+    /// In the H∞ norm, said explicitly.
+    #[serde(default, skip_serializing_if = "Named::is_empty")]
+    pub minimize_hinf: Named<f64>,
+}
+
+/// Absolute intensities.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct LqgSection {
+    /// Of white noise on every measurement, in its unit squared times seconds.
+    #[serde(default = "sensor_noise")]
+    pub sensor_noise: f64,
+    /// Of the disturbance.
+    #[serde(default = "process_noise")]
+    pub process_noise: f64,
+}
+
+fn sensor_noise() -> f64 {
+    1e-8
+}
+
+fn process_noise() -> f64 {
+    1.0
+}
+
+impl Default for LqgSection {
+    fn default() -> Self {
+        LqgSection { sensor_noise: sensor_noise(), process_noise: process_noise() }
+    }
+}
+
+/// How a controller is made discrete for use.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Discretize {
+    /// The step, s.
+    pub dt_s: f64,
+    /// By which rule.
+    #[serde(default)]
+    pub rule: DiscretizeRule,
+}
+
+/// A rule of discretisation.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum DiscretizeRule {
+    /// The trapezium rule: phases right, frequencies bent.
+    #[default]
+    Tustin,
+    /// Exact for measurements that stay between samples.
+    ZeroOrderHold,
+}
+
+impl DesignSpec {
+    /// The design of a file; vehicle and road files in it are relative to it.
+    ///
+    /// # Errors
+    /// A file that can't be read, an unknown key with the nearest that is.
+    pub fn read(path: &std::path::Path) -> Result<Self, StudyError> {
+        let mut spec: DesignSpec = crate::files::read_toml(path)?;
+        for name in [&mut spec.vehicle, &mut spec.road] {
+            if !name.starts_with("case:") {
+                let folder = path.parent().unwrap_or(std::path::Path::new(""));
+                *name = folder.join(PathBuf::from(name.as_str())).display().to_string();
+            }
+        }
+        Ok(spec)
+    }
+
+    /// The outputs that are to be small, in the method's norm.
+    ///
+    /// # Errors
+    /// None given, or given in a norm that the method does not minimise.
+    pub fn weights(&self) -> Result<&Named<f64>, StudyError> {
+        let setting = |field, expected: &str, found: String| StudyError::Setting {
+            field,
+            expected: expected.to_owned(),
+            found,
+        };
+        let g = &self.goal;
+        let (own, own_name, other, other_name) = match self.method {
+            DesignMethod::Lqg | DesignMethod::H2Limit => {
+                (&g.minimize_h2, "goal.minimize_h2", &g.minimize_hinf, "goal.minimize_hinf")
+            }
+            DesignMethod::Hinf => {
+                (&g.minimize_hinf, "goal.minimize_hinf", &g.minimize_h2, "goal.minimize_h2")
+            }
+        };
+        if !other.is_empty() {
+            let expected = format!("nothing: method {} minimises the other norm", self.method.name());
+            return Err(setting(other_name, &expected, "weights".into()));
+        }
+        let weights = match (g.minimize.is_empty(), own.is_empty()) {
+            (false, true) => &g.minimize,
+            (true, false) => own,
+            (true, true) => return Err(setting("goal.minimize", "outputs and their weights", "none".into())),
+            (false, false) => return Err(setting(own_name, "either this or goal.minimize", "both".into())),
+        };
+        for (name, w) in weights.iter() {
+            if !(w.is_finite() && *w >= 0.0) {
+                return Err(setting("goal.minimize", "weights ≥ 0", format!("{name} = {w}")));
+            }
+        }
+        if !weights.iter().any(|(_, w)| *w > 0.0) {
+            return Err(setting("goal.minimize", "a weight above 0", "none".into()));
+        }
+        Ok(weights)
+    }
+}

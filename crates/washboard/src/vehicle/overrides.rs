@@ -1,0 +1,61 @@
+//! A vehicle file with some of its numbers replaced.
+
+use super::known::{leaves, names, unknown};
+use super::{VehicleError, VehicleSpec};
+use serde_json::Value;
+
+impl VehicleSpec {
+    /// The file with numbers replaced, by dotted names of its fields: `front.tire_damping_n_s_per_m`; a name without its
+    /// axle means every axle, one without its side both sides.
+    ///
+    /// # Errors
+    /// A name that is none, with the nearest that is; a number that makes no file.
+    pub fn with_overrides(&self, overrides: &[(String, f64)]) -> Result<Self, VehicleError> {
+        let wrong = |found: String| VehicleError::Field {
+            field: "override".into(),
+            expected: "values that make a vehicle file",
+            found,
+        };
+        let mut file = serde_json::to_value(self).map_err(|e| wrong(e.to_string()))?;
+        let model = self.model.name();
+        let found = leaves(&file[model]);
+        for (name, value) in overrides {
+            let mut written = false;
+            for (path, _) in found.iter().filter(|(path, _)| names(name, path)) {
+                if let Some(slot) = file[model].pointer_mut(&format!("/{}", path.join("/"))) {
+                    *slot = Value::from(*value);
+                    written = true;
+                }
+            }
+            if !written {
+                return Err(unknown(name, &found));
+            }
+        }
+        serde_json::from_value(file).map_err(|e| wrong(e.to_string()))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::cases::{CaseKind, find};
+    use crate::vehicle::VehicleSpec;
+
+    #[test]
+    fn a_bare_name_means_every_axle_and_a_dotted_one_its_own() {
+        let toml = find("chalasani-full-car", CaseKind::Vehicle).unwrap().toml;
+        let spec: VehicleSpec = toml::from_str(&toml).unwrap();
+        let damping = |o: &[(&str, f64)]| {
+            let o: Vec<(String, f64)> = o.iter().map(|(n, v)| ((*n).to_owned(), *v)).collect();
+            let car = spec.with_overrides(&o)?.build_alone()?;
+            Ok::<_, super::VehicleError>([0, 2].map(|w| car.wheel_damping()[(3 + w, w)]))
+        };
+        assert_eq!(damping(&[("tire_damping_n_s_per_m", 98.0)]).unwrap(), [98.0, 98.0]);
+        assert_eq!(
+            damping(&[("tire_damping_n_s_per_m", 98.0), ("rear.tire_damping_n_s_per_m", 50.0)]).unwrap(),
+            [98.0, 50.0]
+        );
+        let e = damping(&[("tire_dampng_n_s_per_m", 1.0)]).unwrap_err().to_string();
+        assert!(e.contains("no parameter `tire_dampng_n_s_per_m`"), "{e}");
+        assert!(damping(&[("tire_damping_n_s_per_m", -1.0)]).is_err());
+    }
+}
