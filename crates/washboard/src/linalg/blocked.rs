@@ -66,6 +66,7 @@ fn split(t: MatRef<'_, f64>) -> usize {
 fn leaf(s: MatRef<'_, f64>, r: MatRef<'_, f64>, mut f: MatMut<'_, f64>, floor: f64) {
     let (m, n) = (s.nrows(), r.nrows());
     let (sl, rl, mut y) = (load(s), load(r), load(f.rb()));
+    let floor = floor.max(f64::MIN_POSITIVE);
     let mut j = n;
     while j > 0 {
         let width = if j >= 2 && rl[j - 2][j - 1] != 0.0 { 2 } else { 1 };
