@@ -110,7 +110,7 @@ fn solve(a: &Mat, g: &Mat, q: &Mat, reach: Option<&Mat>) -> Result<RiccatiSoluti
     let reach = reach.map_or_else(|| sg.clone(), |b| scaling.b(b));
     let problem = Problem::Continuous { a: sa.clone(), g: sg.clone(), q: sq.clone() };
     let standard = Standard { equation: Equation::Continuous, a: sa, g: sg, q: sq, reach };
-    let norms = Norms { a: a.norm_l2(), g: g.norm_l2(), q: q.norm_l2() };
+    let norms = Norms { a: a.norm_l2(), g: g.norm_l2(), q: q.norm_l2(), ..Norms::default() };
     let mut solution = stabilising(&problem, &standard, None, &scaling, norms)?;
     solution.gain = -&solution.x;
     Ok(solution)

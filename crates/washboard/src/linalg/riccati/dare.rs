@@ -75,7 +75,8 @@ pub fn dare(a: &Mat, b: &Mat, q: &Mat, r: &Mat, s: Option<&Mat>) -> Result<Ricca
     };
     // X₀ is scaled like Q
     let shift = shift.map(|x0| scaling.q(&x0));
-    let norms = Norms { a: sa.norm_l2(), g: g.norm_l2(), q: sq.norm_l2() };
+    let (b, r, s) = (b.norm_l2(), r.norm_l2(), s.norm_l2());
+    let norms = Norms { a: a.norm_l2(), g: 0.0, q: q.norm_l2(), b, r, s };
     stabilising(&problem, &standard, shift.as_ref(), &scaling, norms)
 }
 

@@ -2,8 +2,8 @@
 
 use super::super::dense::Mat;
 use super::input::average;
+use super::lu::Lu;
 use faer::linalg::matmul::matmul;
-use faer::linalg::solvers::Solve;
 use faer::{Accum, Par};
 
 /// Steps before it gives up: 2⁴⁰ samples. A solution on the boundary converges by a bit a step and ends here.
@@ -39,38 +39,44 @@ impl Doubling {
         let n = a.nrows();
         let mean = mean_rate(a, g, q);
         let mut factorisations = 8;
+        let (mut lu, mut lu_w) = (Lu::new(n, n), Lu::new(n, n));
         for factor in OTHER_SHIFTS {
             let gamma = mean * factor;
-            let mut shifted = a.clone();
-            (0..n).for_each(|i| shifted[(i, i)] -= gamma);
-            let lu = shifted.partial_piv_lu();
+            lu.matrix().copy_from(a);
+            (0..n).for_each(|i| lu.matrix()[(i, i)] -= gamma);
+            lu.factor();
             factorisations += 1;
-            let u = lu.U();
-            let pivots = (0..n).map(|i| u[(i, i)].abs());
-            let (least, largest) = pivots.fold((f64::INFINITY, 0.0f64), |(l, h), p| (l.min(p), h.max(p)));
+            let (least, largest) =
+                lu.pivots().fold((f64::INFINITY, 0.0f64), |(l, h), p| (l.min(p), h.max(p)));
             if !(least > SMALLEST_PIVOT * largest) {
                 continue;
             }
-            let inverse_g = lu.solve(g); // A_γ⁻¹ G
-            let mut w = shifted.transpose() + q * &inverse_g;
-            let lu_w = w.partial_piv_lu();
+            let mut inverse_g = g.clone(); // A_γ⁻¹ G
+            lu.solve(inverse_g.as_mut());
+            let w = lu_w.matrix();
+            w.copy_from(a.transpose());
+            (0..n).for_each(|i| w[(i, i)] -= gamma);
+            matmul(&mut *w, Accum::Add, q, &inverse_g, 1.0, Par::Seq);
+            lu_w.factor();
             factorisations += 1;
-            let inverse = lu_w.solve(Mat::identity(n, n)); // the transform is W⁻¹ itself
-            // Ĥ = 2γ (A_γ⁻ᵀ (W⁻¹Q)ᵀ)ᵀ and symmetric
             let scale = 2.0 * gamma;
-            let wq = &inverse * q;
-            let mut h = lu.solve_transpose(wq.transpose());
+            // the transform is 2γ W⁻¹ itself
+            let mut inverse = Mat::zeros(n, n);
+            (0..n).for_each(|i| inverse[(i, i)] = scale);
+            lu_w.solve(inverse.as_mut());
+            // Ĥ = (A_γ⁻ᵀ (2γ W⁻¹ Q)ᵀ)ᵀ and symmetric
+            let mut h = Mat::zeros(n, n);
+            matmul(&mut h, Accum::Replace, q, inverse.transpose(), 1.0, Par::Seq);
+            lu.solve_transposed(h.as_mut());
             let mut g_hat = &inverse_g * &inverse;
-            h *= faer::Scale(scale);
-            g_hat *= faer::Scale(scale);
             average(&mut h);
             average(&mut g_hat);
-            w.copy_from(inverse.transpose());
-            w *= faer::Scale(scale);
-            (0..n).for_each(|i| w[(i, i)] += 1.0);
-            let size = w.norm_max() + h.norm_max() + g_hat.norm_max();
+            inverse_g.copy_from(inverse.transpose());
+            let mut a_hat = inverse_g;
+            (0..n).for_each(|i| a_hat[(i, i)] += 1.0);
+            let size = a_hat.norm_max() + h.norm_max() + g_hat.norm_max();
             if size.is_finite() && size < DIVERGED {
-                return Some(Self { a: w, g: g_hat, h, factorisations });
+                return Some(Self { a: a_hat, g: g_hat, h, factorisations });
             }
         }
         None
@@ -86,15 +92,16 @@ impl Doubling {
         let n = self.a.nrows();
         let (mut w, mut ha) = (Mat::zeros(n, n), Mat::zeros(n, n));
         let (mut both, mut turned) = (Mat::zeros(n, 2 * n), Mat::zeros(n, 2 * n));
+        let mut lu = Lu::new(n, 2 * n);
         for _ in 0..STEPS {
             let Self { a, g, h, factorisations } = &mut self;
-            matmul(&mut w, Accum::Replace, &*g, &*h, 1.0, Par::Seq);
-            (0..n).for_each(|i| w[(i, i)] += 1.0);
+            matmul(lu.matrix(), Accum::Replace, &*g, &*h, 1.0, Par::Seq);
+            (0..n).for_each(|i| lu.matrix()[(i, i)] += 1.0);
             both.subcols_mut(0, n).copy_from(&*a);
             both.subcols_mut(n, n).copy_from(&*g);
-            let lu = w.partial_piv_lu();
+            lu.factor();
             *factorisations += 1;
-            lu.solve_in_place(&mut both);
+            lu.solve(both.as_mut());
             // A [V₁ V₂], and H A before A changes
             matmul(&mut turned, Accum::Replace, &*a, &both, 1.0, Par::Seq);
             matmul(&mut ha, Accum::Replace, &*h, &*a, 1.0, Par::Seq);
@@ -120,12 +127,12 @@ impl Doubling {
 /// |det [A −G; −Q −Aᵀ]|^{1/2n}, with pivots below ε of the largest taken as that.
 fn mean_rate(a: &Mat, g: &Mat, q: &Mat) -> f64 {
     let n = a.nrows();
-    let hamiltonian = hamiltonian(a, g, q);
-    let lu = hamiltonian.partial_piv_lu();
-    let u = lu.U();
-    let largest = (0..2 * n).fold(0.0f64, |m, i| m.max(u[(i, i)].abs()));
+    let mut lu = Lu::new(2 * n, 0);
+    *lu.matrix() = hamiltonian(a, g, q);
+    lu.factor();
+    let largest = lu.pivots().fold(0.0f64, f64::max);
     let floor = (f64::EPSILON * largest).max(f64::MIN_POSITIVE);
-    let sum: f64 = (0..2 * n).map(|i| u[(i, i)].abs().max(floor).log2()).sum();
+    let sum: f64 = lu.pivots().map(|p| p.max(floor).log2()).sum();
     let mean = (sum / (2 * n) as f64).exp2();
     if mean.is_finite() { mean } else { 1.0 }
 }

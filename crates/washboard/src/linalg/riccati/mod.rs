@@ -8,6 +8,7 @@ mod diagnose;
 mod doubling;
 mod error;
 mod input;
+mod lu;
 mod newton;
 mod scaling;
 mod schur_route;
@@ -116,7 +117,7 @@ fn stabilising(
     if !sound(&best, REFUSED) {
         return Err(why_not(Some(&best)));
     }
-    let Errors { condition, forward, proven } = errors(&best, &standard.g, scaling, norms);
+    let Errors { condition, forward, proven } = errors(&best, &standard.g, scaling, &norms);
     if !proven {
         // too near to the boundary for the residual alone to say that there is a solution
         if let Some(why) = diagnose::unreachable(standard.equation, &standard.a, &standard.reach)
