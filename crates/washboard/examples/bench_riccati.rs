@@ -34,7 +34,10 @@ fn residual(a: &Mat, g: &Mat, q: &Mat, x: &Mat) -> f64 {
 
 fn main() {
     let mut file = String::new();
-    println!("{:>5} {:>12} {:>12} {:>12} {:>14} {:>12}", "n", "best µs", "median µs", "residual", "factorisations", "condition");
+    println!(
+        "{:>5} {:>12} {:>12} {:>12} {:>14} {:>12}",
+        "n", "best µs", "median µs", "residual", "factorisations", "condition"
+    );
     for n in ORDERS {
         let [a, b, q, r] = plant(n);
         let solution = care(&a, &b, &q, &r, None).unwrap();

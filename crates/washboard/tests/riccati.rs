@@ -41,7 +41,14 @@ fn worst_margin(solution: &RiccatiSolution, size: impl Fn(&C64) -> f64) -> f64 {
 ///
 /// A collection's X that leaves `left` of its own equation is no reference: DAREX 1.4 prints an A and an X that do not
 /// belong together.
-fn judge(id: &str, n: usize, solution: &RiccatiSolution, known: Option<Mat>, left: impl Fn(&Mat) -> f64, margin: f64) {
+fn judge(
+    id: &str,
+    n: usize,
+    solution: &RiccatiSolution,
+    known: Option<Mat>,
+    left: impl Fn(&Mat) -> f64,
+    margin: f64,
+) {
     let x = &solution.x;
     let known = known.filter(|k| {
         let sound = left(k) <= KNOWN;
@@ -98,7 +105,10 @@ fn darex() {
                 let margin = worst_margin(&solution, |z| z.norm() - 1.0);
                 let left = |x: &Mat| {
                     let cross = a.transpose() * x * &b + &s;
-                    let f = washboard::linalg::solve(&(&r + b.transpose() * x * &b), &cross.transpose().to_owned());
+                    let f = washboard::linalg::solve(
+                        &(&r + b.transpose() * x * &b),
+                        &cross.transpose().to_owned(),
+                    );
                     let rest = a.transpose() * x * &a - x - &cross * f.unwrap() + &q;
                     rest.norm_l2() / ((1.0 + a.norm_l2() * a.norm_l2()) * x.norm_l2() + q.norm_l2())
                 };
@@ -127,7 +137,15 @@ fn plants() -> Vec<(String, Mat)> {
         let rate = |i: usize| -(10f64.powf(-1.0 + 5.0 * i as f64 / (n.max(2) - 1) as f64));
         let stiff = Mat::from_fn(n, n, |i, j| if i == j { rate(i) } else { 0.0 });
         list.push((format!("stiff {n}"), &turn * stiff * turn.transpose()));
-        let shear = Mat::from_fn(n, n, |i, j| if i == j { -1.0 } else if i < j { 3.0 } else { 0.0 });
+        let shear = Mat::from_fn(n, n, |i, j| {
+            if i == j {
+                -1.0
+            } else if i < j {
+                3.0
+            } else {
+                0.0
+            }
+        });
         list.push((format!("non-normal {n}"), &turn * shear * turn.transpose()));
     }
     list
@@ -382,7 +400,8 @@ fn nothing_panics_and_nothing_is_unproven() {
             let size = sizes[rng.random_range(0..sizes.len())];
             let integers = rng.random_bool(0.5);
             Mat::from_fn(rows, cols, |_, _| {
-                let v: f64 = if integers { f64::from(rng.random_range(-1..=1)) } else { rng.random_range(-1.0..1.0) };
+                let v: f64 =
+                    if integers { f64::from(rng.random_range(-1..=1)) } else { rng.random_range(-1.0..1.0) };
                 v * size
             })
         };

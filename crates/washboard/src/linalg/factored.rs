@@ -46,7 +46,11 @@ fn factor(equation: Equation, a: &Mat, b: &Mat) -> Result<Mat, LinalgError> {
     check_finite("A", a)?;
     check_finite("B", b)?;
     if b.nrows() != n {
-        return Err(LinalgError::Shape { name: "B", expected: (n, b.ncols()), found: (b.nrows(), b.ncols()) });
+        return Err(LinalgError::Shape {
+            name: "B",
+            expected: (n, b.ncols()),
+            found: (b.nrows(), b.ncols()),
+        });
     }
     let (z, t) = complex_schur(&RealSchur::new(a)?);
     let values = (0..n).map(|k| t[(k, k)]);
@@ -230,7 +234,16 @@ mod tests {
         let turn = random(4, 4, 2).qr().compute_Q();
         let rates = [1.0, 2.0, 3.0, 4.0];
         let a = &turn * Mat::from_fn(4, 4, |i, j| if i == j { -rates[i] } else { 0.0 }) * turn.transpose();
-        let b = &turn * Mat::from_fn(4, 4, |i, j| if i != j { 0.0 } else if i == 3 { small } else { 1.0 });
+        let b = &turn
+            * Mat::from_fn(4, 4, |i, j| {
+                if i != j {
+                    0.0
+                } else if i == 3 {
+                    small
+                } else {
+                    1.0
+                }
+            });
         let expected = small / (2.0 * rates[3]).sqrt();
         let l = lyapunov_factor(&a, &b).unwrap();
         let least = *l.singular_values().unwrap().last().unwrap();

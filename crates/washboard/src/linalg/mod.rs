@@ -17,8 +17,8 @@ pub(crate) mod small;
 mod test_matrices;
 mod tiny;
 
-pub(crate) use dense::check_finite;
 pub use block_diagonal::{BlockDiagonal, block_diagonalize};
+pub(crate) use dense::check_finite;
 pub use dense::{C64, CMat, LinalgError, Mat, eigen, solve, solve_complex, symmetric_eigenvalues};
 pub use expm::expm;
 pub use factored::{discrete_lyapunov_factor, lyapunov_factor};

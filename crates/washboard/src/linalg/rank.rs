@@ -105,9 +105,13 @@ mod tests {
                 continue;
             }
             let inverse = solve(&a, &Mat::identity(n, n)).unwrap();
-            let one = |m: &Mat| (0..n).map(|j| (0..n).map(|i| m[(i, j)].abs()).sum::<f64>()).fold(0.0, f64::max);
+            let one =
+                |m: &Mat| (0..n).map(|j| (0..n).map(|i| m[(i, j)].abs()).sum::<f64>()).fold(0.0, f64::max);
             let exact = one(&a) * one(&inverse);
-            assert!(estimate <= exact * (1.0 + 1e-6) && estimate >= exact / 3.0, "{name}: {estimate:e} {exact:e}");
+            assert!(
+                estimate <= exact * (1.0 + 1e-6) && estimate >= exact / 3.0,
+                "{name}: {estimate:e} {exact:e}"
+            );
         }
         assert_eq!(condition_estimate(&Mat::zeros(3, 3)).unwrap(), f64::INFINITY);
         assert!(condition_estimate(&Mat::zeros(3, 2)).is_err());

@@ -74,7 +74,7 @@ pub(super) fn errors(refined: &Refined, g: &Mat, scaling: &Scaling, norms: &Norm
     let (to_a, to_q) = (norms.a + norms.b * f, norms.q + f * (2.0 * norms.s + f * norms.r));
     let condition = (h0 * to_q + 2.0 * (h0 * h2).sqrt() * to_a + h2 * norms.g) / size;
     let rounding = ROUNDING * n as f64 * f64::EPSILON * refined.at.products;
-    let left = refined.at.residual.norm_l2() + rounding;
+    let left = refined.at.left + rounding;
     // |Ω̃⁻¹(E)| ≤ ‖E‖ H̃
     let forward = 2.0 * left * rho * plain_norm / size;
     let simple = plain.norm_l2();

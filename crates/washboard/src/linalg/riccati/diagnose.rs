@@ -68,10 +68,7 @@ pub(super) fn boundary(equation: Equation, a: &Mat, g: &Mat, q: &Mat) -> Option<
         Equation::Discrete => {
             // no (M + L)⁻¹: z = −1 is an eigenvalue
             let Ok(s) = schur_route::cayley(a, g, q) else {
-                return Some(RiccatiError::OnTheBoundary {
-                    frequency: std::f64::consts::PI,
-                    distance: 0.0,
-                });
+                return Some(RiccatiError::OnTheBoundary { frequency: std::f64::consts::PI, distance: 0.0 });
             };
             let values = schur_route::eigenvalues(&s).ok()?;
             let one = C64::new(1.0, 0.0);

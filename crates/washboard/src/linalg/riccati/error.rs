@@ -10,7 +10,9 @@ pub enum RiccatiError {
     #[error(transparent)]
     Linalg(#[from] LinalgError),
     /// A matrix that must be symmetric is not.
-    #[error("{name}: entries ({row}, {col}) and ({col}, {row}) differ by {difference:e}, expected a symmetric matrix")]
+    #[error(
+        "{name}: entries ({row}, {col}) and ({col}, {row}) differ by {difference:e}, expected a symmetric matrix"
+    )]
     Asymmetric {
         /// Which matrix.
         name: &'static str,
@@ -66,7 +68,9 @@ pub enum RiccatiError {
         distance: f64,
     },
     /// The best X found leaves too large a residual, or does not stabilise.
-    #[error("no solution is confirmed: scaled residual {scaled_residual:e}, worst closed-loop eigenvalue {margin:e}")]
+    #[error(
+        "no solution is confirmed: scaled residual {scaled_residual:e}, worst closed-loop eigenvalue {margin:e}"
+    )]
     Unconfirmed {
         /// Of the best X that was found.
         scaled_residual: f64,

@@ -110,7 +110,7 @@ fn stabilising(
             .or_else(|| diagnose::boundary(standard.equation, &standard.a, &standard.g, &standard.q))
             .unwrap_or_else(|| RiccatiError::Unconfirmed {
                 scaled_residual: found.map_or(f64::INFINITY, |f| f.at.scaled()),
-                margin: found.map_or(f64::INFINITY, |f| f.linearised.margin()),
+                margin: found.map_or(f64::INFINITY, |f| f.linearised.margin),
             })
     };
     let Some(best) = best else { return Err(why_not(None)) };
@@ -128,7 +128,7 @@ fn stabilising(
     }
     let scaled_residual = best.at.scaled();
     let x = scaling.g(&best.x);
-    let values = best.linearised.schur.eigenvalues();
+    let values = best.linearised.eigenvalues;
     let gain = best.at.gain.map_or_else(|| Mat::zeros(0, n), |f| scaling.gain(&f));
     if !(x.norm_max().is_finite() && gain.norm_max().is_finite()) {
         return Err(LinalgError::NotFinite { name: "X", row: 0, col: 0, value: x.norm_max() }.into());
@@ -145,12 +145,12 @@ fn stabilising(
 }
 
 fn sound(found: &Refined, residual: f64) -> bool {
-    found.at.scaled() <= residual && (found.linearised.margin() < 0.0)
+    found.at.scaled() <= residual && (found.linearised.margin < 0.0)
 }
 
 /// A stable one before an unstable one, then the smaller residual.
 fn better(one: &Refined, other: &Refined) -> bool {
-    let stable = |r: &Refined| r.linearised.margin() < 0.0;
+    let stable = |r: &Refined| r.linearised.margin < 0.0;
     match (stable(one), stable(other)) {
         (true, false) => true,
         (false, true) => false,
