@@ -4,7 +4,7 @@ use super::super::dense::{LinalgError, Mat, check_square};
 use super::super::quasi_triangular::Equation;
 use super::condition::Norms;
 use super::error::RiccatiError;
-use super::input::{average, check, semidefinite, symmetric};
+use super::input::{average, check, norm, semidefinite, symmetric};
 use super::newton::Problem;
 use super::scaling::Scaling;
 use super::{RiccatiSolution, Standard, stabilising};
@@ -123,7 +123,7 @@ fn solve(a: &Mat, g: &Mat, q: &Mat, reach: Option<&Mat>) -> Result<RiccatiSoluti
     let reach = reach.map_or_else(|| sg.clone(), |b| scaling.b(b));
     let problem = Problem::Continuous { a: sa.clone(), g: sg.clone(), q: sq.clone() };
     let standard = Standard { equation: Equation::Continuous, a: sa, g: sg, q: sq, reach };
-    let norms = Norms { a: a.norm_l2(), g: g.norm_l2(), q: q.norm_l2(), ..Norms::default() };
+    let norms = Norms { a: norm(a), g: norm(g), q: norm(q), ..Norms::default() };
     let mut solution = stabilising(&problem, &standard, None, &scaling, norms)?;
     solution.gain = -&solution.x;
     Ok(solution)

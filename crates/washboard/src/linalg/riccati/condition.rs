@@ -3,6 +3,7 @@
 
 use super::super::dense::Mat;
 use super::super::quasi_triangular::Equation;
+use super::input::norm;
 use super::newton::Refined;
 use super::scaling::Scaling;
 
@@ -49,18 +50,18 @@ pub(super) fn errors(refined: &Refined, g: &Mat, scaling: &Scaling, norms: &Norm
     let linearised = &refined.linearised;
     let (z, equation) = (&linearised.schur.q, linearised.equation);
     let x = scaling.g(&refined.x); // in the caller's states
-    let size = x.norm_l2();
-    let norm = |y: &Mat| power_norm(y, z, scaling);
+    let size = norm(&x);
+    let two_norm = |y: &Mat| power_norm(y, z, scaling);
     let minus = |m: Mat| linearised.solve_turned(m * faer::Scale(-1.0));
     // in scaled states: Ω̃(H) = −I
     let plain = minus(Mat::identity(n, n));
-    let plain_norm = norm(&plain);
+    let plain_norm = two_norm(&plain);
     // Ω(H₀) = −I means Ω̃(D H₀ D) = −D²
     let h0 = if scaling.keeps_states() {
         plain_norm
     } else {
         let dz = Mat::from_fn(n, n, |i, j| scaling.d[i] * z[(i, j)]);
-        norm(&minus(dz.transpose() * &dz))
+        two_norm(&minus(dz.transpose() * &dz))
     };
     // Ω(H₂) = −PᵀP, P = X or X A_c: Ω̃ of −(P D Z)ᵀ(P D Z)
     let p = match equation {
@@ -68,7 +69,7 @@ pub(super) fn errors(refined: &Refined, g: &Mat, scaling: &Scaling, norms: &Norm
         Equation::Discrete => &refined.x * (&refined.at.closed_loop * z),
     };
     let p = Mat::from_fn(n, n, |i, j| p[(i, j)] * (rho / scaling.d[i]));
-    let h2 = norm(&minus(p.transpose() * &p));
+    let h2 = two_norm(&minus(p.transpose() * &p));
     // what A and Q stand for where B, R and S are data
     let f = refined.at.gain.as_ref().map_or(0.0, |f| scaling.gain(f).norm_l2());
     let (to_a, to_q) = (norms.a + norms.b * f, norms.q + f * (2.0 * norms.s + f * norms.r));
@@ -77,8 +78,8 @@ pub(super) fn errors(refined: &Refined, g: &Mat, scaling: &Scaling, norms: &Norm
     let left = refined.at.left + rounding;
     // |Ω̃⁻¹(E)| ≤ ‖E‖ H̃
     let forward = 2.0 * left * rho * plain_norm / size;
-    let simple = plain.norm_l2();
-    let proven = left * simple * simple * g.norm_l2() < KANTOROVICH
+    let simple = norm(&plain);
+    let proven = left * simple * simple * norm(g) < KANTOROVICH
         || left * norm_of_curvature(refined, &plain, g) < KANTOROVICH;
     let known = |v: f64| if size > 0.0 && !v.is_nan() { v } else { f64::INFINITY };
     Errors { condition: known(condition), forward: known(forward), proven }
@@ -96,12 +97,12 @@ fn norm_of_curvature(refined: &Refined, h: &Mat, g: &Mat) -> f64 {
         Equation::Continuous => quadratic,
         Equation::Discrete => t * quadratic * t.transpose(),
     };
-    let size = h.norm_l2();
+    let size = norm(h);
     if size == 0.0 {
         return 0.0;
     }
     let next = linearised.solve_turned(quadratic * faer::Scale(-1.0));
-    next.norm_l2() / size
+    norm(&next) / size
 }
 
 /// ‖D⁻¹ Z Y Zᵀ D⁻¹‖₂ of a positive semidefinite Y, by the power method.
@@ -123,7 +124,7 @@ fn power_norm(y: &Mat, z: &Mat, scaling: &Scaling) -> f64 {
     for _ in 0..POWER_STEPS {
         let length = v.iter().map(|x| x * x).sum::<f64>().sqrt();
         if !(length > 0.0 && length.is_finite()) {
-            return y.norm_l2();
+            return norm(y);
         }
         next.fill(0.0);
         for (j, x) in v.iter().enumerate() {

@@ -4,7 +4,7 @@ use super::super::dense::{Mat, check_square, solve};
 use super::super::quasi_triangular::Equation;
 use super::condition::Norms;
 use super::error::RiccatiError;
-use super::input::{average, check, definiteness, semidefinite, symmetric};
+use super::input::{average, check, definiteness, norm, semidefinite, symmetric};
 use super::newton::Problem;
 use super::scaling::Scaling;
 use super::{RiccatiSolution, Standard, stabilising};
@@ -75,8 +75,8 @@ pub fn dare(a: &Mat, b: &Mat, q: &Mat, r: &Mat, s: Option<&Mat>) -> Result<Ricca
     };
     // X₀ is scaled like Q
     let shift = shift.map(|x0| scaling.q(&x0));
-    let (b, r, s) = (b.norm_l2(), r.norm_l2(), s.norm_l2());
-    let norms = Norms { a: a.norm_l2(), g: 0.0, q: q.norm_l2(), b, r, s };
+    let (b, r, s) = (norm(b), norm(&r), norm(&s));
+    let norms = Norms { a: norm(a), g: 0.0, q: norm(&q), b, r, s };
     stabilising(&problem, &standard, shift.as_ref(), &scaling, norms)
 }
 
@@ -155,8 +155,8 @@ impl Cost<'_> {
             x0 = next;
         }
         // an indefinite cost: any X₀ that makes R + BᵀX₀B definite
-        if best.0.ratio <= WELL_CONDITIONED && self.b.norm_l2() > 0.0 {
-            let size = (self.r.norm_l2() / self.b.norm_l2() / self.b.norm_l2()).max(self.q.norm_l2());
+        if best.0.ratio <= WELL_CONDITIONED && norm(self.b) > 0.0 {
+            let size = (norm(self.r) / norm(self.b) / norm(self.b)).max(norm(self.q));
             let x0 = Mat::identity(n, n) * faer::Scale(if size > 0.0 { size } else { 1.0 });
             let cost = self.shifted(&x0);
             let found = definiteness(&cost.r)?;

@@ -73,6 +73,13 @@ impl Standard {
         }
     }
 
+    /// What stands in the way of a stabilising solution, if it can be found.
+    fn obstacle(&self) -> Option<RiccatiError> {
+        diagnose::unreachable(self.equation, &self.a, &self.reach)
+            .or_else(|| diagnose::boundary(self.equation, &self.a, &self.g, &self.q))
+    }
+
+    /// X by the ordered Schur form.
     fn schur(&self) -> Result<Mat, LinalgError> {
         match self.equation {
             Equation::Continuous => schur_route::continuous(&self.a, &self.g, &self.q),
@@ -99,32 +106,23 @@ fn stabilising(
     });
     if !best.as_ref().is_some_and(|b| sound(b, SUSPICIOUS) && b.at.over_rounding() <= rounding) {
         factorisations += 8;
-        if let Some(other) = standard.schur().ok().and_then(from) {
-            if best.as_ref().is_none_or(|b| better(&other, b)) {
-                best = Some(other);
-            }
-        }
+        let other = standard.schur().ok().and_then(from);
+        best = match (best, other) {
+            (Some(one), Some(other)) => Some(if better(&other, &one) { other } else { one }),
+            (one, other) => one.or(other),
+        };
     }
-    let why_not = |found: Option<&Refined>| {
-        diagnose::unreachable(standard.equation, &standard.a, &standard.reach)
-            .or_else(|| diagnose::boundary(standard.equation, &standard.a, &standard.g, &standard.q))
-            .unwrap_or_else(|| RiccatiError::Unconfirmed {
-                scaled_residual: found.map_or(f64::INFINITY, |f| f.at.scaled()),
-                margin: found.map_or(f64::INFINITY, |f| f.linearised.margin),
-            })
+    let unconfirmed = |scaled_residual, margin| {
+        standard.obstacle().unwrap_or(RiccatiError::Unconfirmed { scaled_residual, margin })
     };
-    let Some(best) = best else { return Err(why_not(None)) };
+    let Some(best) = best else { return Err(unconfirmed(f64::INFINITY, f64::INFINITY)) };
     if !sound(&best, REFUSED) {
-        return Err(why_not(Some(&best)));
+        return Err(unconfirmed(best.at.scaled(), best.linearised.margin));
     }
     let Errors { condition, forward, proven } = errors(&best, &standard.g, scaling, &norms);
-    if !proven {
-        // too near to the boundary for the residual alone to say that there is a solution
-        if let Some(why) = diagnose::unreachable(standard.equation, &standard.a, &standard.reach)
-            .or_else(|| diagnose::boundary(standard.equation, &standard.a, &standard.g, &standard.q))
-        {
-            return Err(why);
-        }
+    // too near to the boundary for the residual alone to say that there is a solution?
+    if !proven && let Some(why) = standard.obstacle() {
+        return Err(why);
     }
     let scaled_residual = best.at.scaled();
     let x = scaling.g(&best.x);

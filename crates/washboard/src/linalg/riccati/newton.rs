@@ -4,7 +4,7 @@ use super::super::blocked;
 use super::super::dense::{C64, LinalgError, Mat, solve};
 use super::super::quasi_triangular::{Equation, Right, substitute};
 use super::super::schur::RealSchur;
-use super::input::average;
+use super::input::{average, norm};
 
 /// Factorisations of the closed loop at most; a good start needs one.
 const ROUNDS: usize = 12;
@@ -81,9 +81,9 @@ impl Problem {
                 let (xa, xgx) = (x * a, x * (a - &closed_loop));
                 let mut residual = &xa + xa.transpose() - &xgx + q;
                 average(&mut residual);
-                let (size, left) = (x.norm_l2(), residual.norm_l2());
-                let linear = 2.0 * a.norm_l2() * size + q.norm_l2();
-                let (terms, products) = (linear + xgx.norm_l2(), linear + size * size * g.norm_l2());
+                let (size, left) = (norm(x), norm(&residual));
+                let linear = 2.0 * norm(a) * size + norm(q);
+                let (terms, products) = (linear + norm(&xgx), linear + size * size * norm(g));
                 Ok(At { residual, left, terms, products, closed_loop, gain: None })
             }
             Self::Discrete { a, b, q, r, s } => {
@@ -94,11 +94,10 @@ impl Problem {
                 let (control, moved) = (cross.transpose() * &gain, a.transpose() * (x * a));
                 let mut residual = &moved - x + &control + q;
                 average(&mut residual);
-                let size = a.norm_l2();
-                let linear = (size * size + 1.0) * x.norm_l2() + q.norm_l2();
-                let (terms, products) =
-                    (linear + control.norm_l2(), linear + cross.norm_l2() * gain.norm_l2());
-                let left = residual.norm_l2();
+                let size = norm(a);
+                let linear = (size * size + 1.0) * norm(x) + norm(q);
+                let (terms, products) = (linear + norm(&control), linear + norm(&cross) * norm(&gain));
+                let left = norm(&residual);
                 Ok(At { residual, left, terms, products, closed_loop, gain: Some(gain) })
             }
         }
@@ -197,7 +196,7 @@ pub(super) fn refine(problem: &Problem, x0: Mat) -> Result<Refined, LinalgError>
             if !(after < before) {
                 break;
             }
-            moved += step.norm_l2() / next.norm_l2().max(f64::MIN_POSITIVE);
+            moved += norm(&step) / norm(&next).max(f64::MIN_POSITIVE);
             (x, at) = (next, found);
             if after > PROGRESS * before {
                 break;

@@ -1,6 +1,7 @@
 //! Units out of the way: states and X scaled by powers of two, exactly.
 
 use super::super::dense::Mat;
+use super::input::norm;
 
 /// Sweeps of balancing; three are usual.
 const SWEEPS: usize = 8;
@@ -25,7 +26,7 @@ impl Scaling {
     /// Hamiltonian matrices*, SIAM J. Sci. Comput. 22 (2000).
     pub fn of(a: &Mat, g: &Mat, q: &Mat) -> Self {
         let n = a.nrows();
-        let mut scaling = Self { d: vec![1.0; n], rho: matching(a.norm_l2(), g.norm_l2(), q.norm_l2()) };
+        let mut scaling = Self { d: vec![1.0; n], rho: matching(norm(a), norm(g), norm(q)) };
         // magnitudes, in the scaling so far
         let mut now = [a.clone(), scaling.g(g), scaling.q(q)];
         for _ in 0..SWEEPS {
@@ -50,7 +51,7 @@ impl Scaling {
                 break;
             }
             let [a, g, q] = &mut now;
-            let f = matching(a.norm_l2(), g.norm_l2(), q.norm_l2());
+            let f = matching(norm(a), norm(g), norm(q));
             if f != 1.0 && (scaling.rho * f).log2().abs() <= 2.0 * f64::from(LARGEST_EXPONENT) {
                 scaling.rho *= f;
                 *g *= faer::Scale(f);
