@@ -12,9 +12,12 @@ const STEPS: usize = 40;
 const CONVERGED: f64 = 1e-8;
 /// A growth of the iterates beyond this is a divergence.
 const DIVERGED: f64 = 1e100;
-/// Of the shift's A − γI the smallest pivot over the largest that is still taken, and other shifts that are tried.
-const SMALLEST_PIVOT: f64 = 1e-8;
-const OTHER_SHIFTS: [f64; 5] = [1.0, 1.7, 0.55, 3.1, 0.3];
+/// Of the shift's A − γI the smallest pivot over the largest: above the first no other shift is tried, below the
+/// second none is sound.
+const GOOD_PIVOT: f64 = 1e-3;
+const SMALLEST_PIVOT: f64 = 1e-10;
+/// Other shifts, over the mean rate.
+const OTHER_SHIFTS: [f64; 5] = [1.7, 0.55, 3.1, 0.3, 6.0];
 
 /// X = Aᵀ X (I + G X)⁻¹ A + H: what doubling solves, and its iterates (A_k, G_k, H_k).
 #[derive(Debug, Clone)]
@@ -40,46 +43,53 @@ impl Doubling {
         let mean = mean_rate(a, g, q);
         let mut factorisations = 8;
         let (mut lu, mut lu_w) = (Lu::new(n, n), Lu::new(n, n));
-        for factor in OTHER_SHIFTS {
-            let gamma = mean * factor;
+        let mut pivots = |gamma: f64| {
             lu.matrix().copy_from(a);
             (0..n).for_each(|i| lu.matrix()[(i, i)] -= gamma);
             lu.factor();
             factorisations += 1;
-            let (least, largest) =
-                lu.pivots().fold((f64::INFINITY, 0.0f64), |(l, h), p| (l.min(p), h.max(p)));
-            if !(least > SMALLEST_PIVOT * largest) {
-                continue;
+            let (least, largest) = lu.pivots().fold((f64::MAX, 0.0f64), |(l, h), p| (l.min(p), h.max(p)));
+            least / largest
+        };
+        // an eigenvalue of an unstable A near γ costs as many digits as the pivots say
+        let (mut gamma, mut best) = (mean, pivots(mean));
+        if !(best > GOOD_PIVOT) {
+            for other in OTHER_SHIFTS.map(|f| f * mean) {
+                let found = pivots(other);
+                if found > best || best.is_nan() {
+                    (gamma, best) = (other, found);
+                }
             }
-            let mut inverse_g = g.clone(); // A_γ⁻¹ G
-            lu.solve(inverse_g.as_mut());
-            let w = lu_w.matrix();
-            w.copy_from(a.transpose());
-            (0..n).for_each(|i| w[(i, i)] -= gamma);
-            matmul(&mut *w, Accum::Add, q, &inverse_g, 1.0, Par::Seq);
-            lu_w.factor();
-            factorisations += 1;
-            let scale = 2.0 * gamma;
-            // the transform is 2γ W⁻¹ itself
-            let mut inverse = Mat::zeros(n, n);
-            (0..n).for_each(|i| inverse[(i, i)] = scale);
-            lu_w.solve(inverse.as_mut());
-            // Ĥ = (A_γ⁻ᵀ (2γ W⁻¹ Q)ᵀ)ᵀ and symmetric
-            let mut h = Mat::zeros(n, n);
-            matmul(&mut h, Accum::Replace, q, inverse.transpose(), 1.0, Par::Seq);
-            lu.solve_transposed(h.as_mut());
-            let mut g_hat = &inverse_g * &inverse;
-            average(&mut h);
-            average(&mut g_hat);
-            inverse_g.copy_from(inverse.transpose());
-            let mut a_hat = inverse_g;
-            (0..n).for_each(|i| a_hat[(i, i)] += 1.0);
-            let size = a_hat.norm_max() + h.norm_max() + g_hat.norm_max();
-            if size.is_finite() && size < DIVERGED {
-                return Some(Self { a: a_hat, g: g_hat, h, factorisations });
-            }
+            pivots(gamma);
         }
-        None
+        if !(best > SMALLEST_PIVOT) {
+            return None;
+        }
+        let mut inverse_g = g.clone(); // A_γ⁻¹ G
+        lu.solve(inverse_g.as_mut());
+        let w = lu_w.matrix();
+        w.copy_from(a.transpose());
+        (0..n).for_each(|i| w[(i, i)] -= gamma);
+        matmul(&mut *w, Accum::Add, q, &inverse_g, 1.0, Par::Seq);
+        lu_w.factor();
+        factorisations += 1;
+        let scale = 2.0 * gamma;
+        // the transform is 2γ W⁻¹ itself
+        let mut inverse = Mat::zeros(n, n);
+        (0..n).for_each(|i| inverse[(i, i)] = scale);
+        lu_w.solve(inverse.as_mut());
+        // Ĥ = (A_γ⁻ᵀ (2γ W⁻¹ Q)ᵀ)ᵀ and symmetric
+        let mut h = Mat::zeros(n, n);
+        matmul(&mut h, Accum::Replace, q, inverse.transpose(), 1.0, Par::Seq);
+        lu.solve_transposed(h.as_mut());
+        let mut g_hat = &inverse_g * &inverse;
+        average(&mut h);
+        average(&mut g_hat);
+        inverse_g.copy_from(inverse.transpose());
+        let mut a_hat = inverse_g;
+        (0..n).for_each(|i| a_hat[(i, i)] += 1.0);
+        let size = a_hat.norm_max() + h.norm_max() + g_hat.norm_max();
+        (size.is_finite() && size < DIVERGED).then_some(Self { a: a_hat, g: g_hat, h, factorisations })
     }
 
     /// H_k to convergence, which is X; none where it diverges.
