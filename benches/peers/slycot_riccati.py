@@ -1,4 +1,4 @@
-"""washboard's `care` against slycot's sb02md (and `dare` route sb02od) on the same plants, one thread. By hand:
+"""washboard's `care` against slycot's sb02md (and its pencil method sb02od) on the same plants, one thread. By hand:
 
     cargo build --release --example bench_riccati
     OPENBLAS_NUM_THREADS=1 python benches/peers/slycot_riccati.py target/release/examples/bench_riccati
