@@ -66,6 +66,7 @@ fn split(t: MatRef<'_, f64>) -> usize {
 fn leaf(s: MatRef<'_, f64>, r: MatRef<'_, f64>, mut f: MatMut<'_, f64>, floor: f64) {
     let (m, n) = (s.nrows(), r.nrows());
     let (sl, rl, mut y) = (load(s), load(r), load(f.rb()));
+    let floor = floor.max(f64::MIN_POSITIVE);
     let mut j = n;
     while j > 0 {
         let width = if j >= 2 && rl[j - 2][j - 1] != 0.0 { 2 } else { 1 };
@@ -128,6 +129,17 @@ fn corner(
     (j, width): (usize, usize),
     floor: f64,
 ) {
+    if height * width == 2 {
+        // [a b; c d], of a pair against one
+        let (m, at) = if height == 2 {
+            ([s[i][i] + r[j][j], s[i + 1][i], s[i][i + 1], s[i + 1][i + 1] + r[j][j]], [(j, i), (j, i + 1)])
+        } else {
+            ([s[i][i] + r[j][j], r[j + 1][j], r[j][j + 1], s[i][i] + r[j + 1][j + 1]], [(j, i), (j + 1, i)])
+        };
+        let x = two(m, [y[at[0].0][at[0].1], y[at[1].0][at[1].1]], floor);
+        (y[at[0].0][at[0].1], y[at[1].0][at[1].1]) = (x[0], x[1]);
+        return;
+    }
     let mut system = System::new(height * width);
     for c in 0..width {
         for k in 0..height {
@@ -143,6 +155,17 @@ fn corner(
             y[j + c][i + k] = solution[c * height + k];
         }
     }
+}
+
+/// x of [a b; c d] x = f, with partial pivoting.
+fn two([a, b, c, d]: [f64; 4], [f, g]: [f64; 2], floor: f64) -> [f64; 2] {
+    let ([a, b, c, d], [f, g]) =
+        if a.abs() >= c.abs() { ([a, b, c, d], [f, g]) } else { ([c, d, a, b], [g, f]) };
+    let guard = |p: f64| if p.abs() < floor { floor } else { p };
+    let a = guard(a);
+    let factor = c / a;
+    let second = (g - factor * f) / guard(d - factor * b);
+    [(f - b * second) / a, second]
 }
 
 #[cfg(test)]

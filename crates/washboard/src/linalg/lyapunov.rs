@@ -1,5 +1,6 @@
 //! Lyapunov, discrete Lyapunov and Sylvester equations, by Bartels and Stewart on real Schur forms.
 
+use super::blocked;
 use super::dense::{C64, LinalgError, Mat, check_finite, check_square};
 use super::quasi_triangular::{Equation, Right, substitute};
 use super::schur::RealSchur;
@@ -106,7 +107,15 @@ fn one_matrix(
     let symmetric = (0..n).all(|j| (0..j).all(|i| q[(i, j)] == q[(j, i)]));
     let solve = |f: &Mat| {
         let f = schur.q.transpose() * f * &schur.q;
-        let x = &schur.q * substitute(equation, &schur, Right::Transposed(&schur), &f) * schur.q.transpose();
+        let y = match equation {
+            Equation::Continuous => {
+                let (t, mut y) = (schur.t.as_ref(), f);
+                blocked::sylvester(t, t, y.as_mut(), f64::EPSILON * t.norm_max());
+                y
+            }
+            Equation::Discrete => substitute(equation, &schur, Right::Transposed(&schur), &f),
+        };
+        let x = &schur.q * y * schur.q.transpose();
         if symmetric { (&x + x.transpose()) * faer::Scale(0.5) } else { x }
     };
     let left_over = |x: &Mat| match equation {

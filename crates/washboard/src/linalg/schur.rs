@@ -86,6 +86,26 @@ impl RealSchur {
         values
     }
 
+    /// Size of the diagonal block that starts at row `k`.
+    pub(super) fn block_at(&self, k: usize) -> usize {
+        if k + 1 < self.order() && self.t[(k + 1, k)] != 0.0 { 2 } else { 1 }
+    }
+
+    /// Moves the block that starts at row `from` up to row `to`, past all between, or as far as blocks can be swapped
+    /// backward-stably: the row that it reaches.
+    pub(super) fn lift(&mut self, from: usize, to: usize) -> usize {
+        let mut at = from;
+        while at > to {
+            let above = if at >= 2 && self.t[(at - 1, at - 2)] != 0.0 { 2 } else { 1 };
+            let width = self.block_at(at);
+            if swap::swap_adjacent(&mut self.q, &mut self.t, at - above, above, width).is_err() {
+                break;
+            }
+            at -= above;
+        }
+        at
+    }
+
     /// The same matrix with the eigenvalues that `first` selects moved to the top, and how many these are.
     ///
     /// The leading columns of the new Q span the invariant subspace of the selected eigenvalues. The order within

@@ -4,11 +4,14 @@ use super::super::dense::{LinalgError, Mat, check_square};
 use super::super::quasi_triangular::Equation;
 use super::condition::Norms;
 use super::error::RiccatiError;
-use super::input::{average, check, definiteness, semidefinite, symmetric};
+use super::input::{average, check, norm, semidefinite, symmetric};
 use super::newton::Problem;
 use super::scaling::Scaling;
 use super::{RiccatiSolution, Standard, stabilising};
-use faer::linalg::solvers::Solve;
+use faer::linalg::solvers::{Llt, Solve};
+
+/// Pivots of R's factor above this part of its largest entry need no eigenvalues to be believed.
+const CLEARLY_DEFINITE: f64 = 1e-6;
 
 /// The stabilising X of AᵀX + XA − (XB + S)R⁻¹(BᵀX + Sᵀ) + Q = 0.
 ///
@@ -48,13 +51,7 @@ pub fn care(a: &Mat, b: &Mat, q: &Mat, r: &Mat, s: Option<&Mat>) -> Result<Ricca
     if let Some(s) = s {
         check("S", s, (n, m))?;
     }
-    let found = semidefinite(&r)?;
-    if !found.definite {
-        return Err(RiccatiError::SingularR { ratio: found.ratio });
-    }
-    let Ok(root) = r.llt(faer::Side::Lower) else {
-        return Err(RiccatiError::SingularR { ratio: definiteness(&r)?.ratio });
-    };
+    let root = cholesky(&r)?;
     // G = (L⁻¹Bᵀ)ᵀ(L⁻¹Bᵀ), R = L Lᵀ
     let lower = root.L();
     let mut half_b = b.transpose().to_owned();
@@ -77,6 +74,22 @@ pub fn care(a: &Mat, b: &Mat, q: &Mat, r: &Mat, s: Option<&Mat>) -> Result<Ricca
     }
     let gain = -root.solve(&cross);
     Ok(RiccatiSolution { gain, ..solution })
+}
+
+/// L of a positive definite R = L Lᵀ.
+fn cholesky(r: &Mat) -> Result<Llt<f64>, RiccatiError> {
+    if let Ok(root) = r.llt(faer::Side::Lower) {
+        let lower = root.L();
+        let least = (0..r.nrows()).fold(f64::INFINITY, |l, i| l.min(lower[(i, i)] * lower[(i, i)]));
+        if least > CLEARLY_DEFINITE * r.norm_max() {
+            return Ok(root);
+        }
+    }
+    let found = semidefinite(r)?;
+    match r.llt(faer::Side::Lower) {
+        Ok(root) if found.definite => Ok(root),
+        _ => Err(RiccatiError::SingularR { ratio: found.ratio }),
+    }
 }
 
 /// The stabilising X of AᵀX + XA − XGX + Q = 0, G given directly and perhaps indefinite.
@@ -110,7 +123,7 @@ fn solve(a: &Mat, g: &Mat, q: &Mat, reach: Option<&Mat>) -> Result<RiccatiSoluti
     let reach = reach.map_or_else(|| sg.clone(), |b| scaling.b(b));
     let problem = Problem::Continuous { a: sa.clone(), g: sg.clone(), q: sq.clone() };
     let standard = Standard { equation: Equation::Continuous, a: sa, g: sg, q: sq, reach };
-    let norms = Norms { a: a.norm_l2(), g: g.norm_l2(), q: q.norm_l2() };
+    let norms = Norms { a: norm(a), g: norm(g), q: norm(q), ..Norms::default() };
     let mut solution = stabilising(&problem, &standard, None, &scaling, norms)?;
     solution.gain = -&solution.x;
     Ok(solution)

@@ -4,7 +4,7 @@ use super::super::dense::{Mat, check_square, solve};
 use super::super::quasi_triangular::Equation;
 use super::condition::Norms;
 use super::error::RiccatiError;
-use super::input::{average, check, definiteness, semidefinite, symmetric};
+use super::input::{average, check, definiteness, norm, semidefinite, symmetric};
 use super::newton::Problem;
 use super::scaling::Scaling;
 use super::{RiccatiSolution, Standard, stabilising};
@@ -28,7 +28,7 @@ const WELL_CONDITIONED: f64 = 1e-6;
 /// [`RiccatiError`]: as [`care`](super::care), and [`RiccatiError::SingularInput`] where R + BᵀXB stays singular.
 ///
 /// A singular R is never inverted: with X = X₀ + Δ, Δ solves the equation of Q + AᵀX₀A − X₀, R + BᵀX₀B and S + AᵀX₀B,
-/// exactly; X₀ are steps of the value iteration, the cost of a finite horizon. Then doubling (Chu, Fan, Lin and Wang
+/// exactly; X₀ are steps of the value iteration, the cost of a finite horizon (of an indefinite cost a multiple of I). Then doubling (Chu, Fan, Lin and Wang
 /// 2004), else the ordered Schur form of the pencil's Cayley transform; Newton's method (Hewer 1971) on the true
 /// residual follows either.
 ///
@@ -75,7 +75,8 @@ pub fn dare(a: &Mat, b: &Mat, q: &Mat, r: &Mat, s: Option<&Mat>) -> Result<Ricca
     };
     // X₀ is scaled like Q
     let shift = shift.map(|x0| scaling.q(&x0));
-    let norms = Norms { a: sa.norm_l2(), g: g.norm_l2(), q: sq.norm_l2() };
+    let (b, r, s) = (norm(b), norm(&r), norm(&s));
+    let norms = Norms { a: norm(a), g: 0.0, q: norm(&q), b, r, s };
     stabilising(&problem, &standard, shift.as_ref(), &scaling, norms)
 }
 
@@ -124,7 +125,8 @@ impl Cost<'_> {
         Shifted { q, r, s: self.s + self.a.transpose() * &xb }
     }
 
-    /// X₀ and the shifted cost: none where R is well conditioned as it is, else value iteration from 0 until it is.
+    /// X₀ and the shifted cost: none where R is well conditioned as it is, else value iteration from 0 until it is, else
+    /// a multiple of I.
     fn with_invertible_r(&self) -> Result<(Option<Mat>, Shifted), RiccatiError> {
         let n = self.a.nrows();
         let plain = Shifted { q: self.q.clone(), r: self.r.clone(), s: self.s.clone() };
@@ -151,6 +153,16 @@ impl Cost<'_> {
                 }
             }
             x0 = next;
+        }
+        // an indefinite cost: any X₀ that makes R + BᵀX₀B definite
+        if best.0.ratio <= WELL_CONDITIONED && norm(self.b) > 0.0 {
+            let size = (norm(self.r) / norm(self.b) / norm(self.b)).max(norm(self.q));
+            let x0 = Mat::identity(n, n) * faer::Scale(if size > 0.0 { size } else { 1.0 });
+            let cost = self.shifted(&x0);
+            let found = definiteness(&cost.r)?;
+            if found.ratio > best.0.ratio {
+                best = (found, Some(x0), cost);
+            }
         }
         let (found, x0, cost) = best;
         if found.definite { Ok((x0, cost)) } else { Err(RiccatiError::SingularInput { ratio: found.ratio }) }

@@ -2,8 +2,8 @@
 
 use super::super::dense::Mat;
 use super::input::average;
+use super::lu::Lu;
 use faer::linalg::matmul::matmul;
-use faer::linalg::solvers::Solve;
 use faer::{Accum, Par};
 
 /// Steps before it gives up: 2⁴⁰ samples. A solution on the boundary converges by a bit a step and ends here.
@@ -12,9 +12,12 @@ const STEPS: usize = 40;
 const CONVERGED: f64 = 1e-8;
 /// A growth of the iterates beyond this is a divergence.
 const DIVERGED: f64 = 1e100;
-/// Of the shift's A − γI the smallest pivot over the largest that is still taken, and other shifts that are tried.
-const SMALLEST_PIVOT: f64 = 1e-8;
-const OTHER_SHIFTS: [f64; 5] = [1.0, 1.7, 0.55, 3.1, 0.3];
+/// Of the shift's A − γI the smallest pivot over the largest: above the first no other shift is tried, below the
+/// second none is sound.
+const GOOD_PIVOT: f64 = 1e-3;
+const SMALLEST_PIVOT: f64 = 1e-10;
+/// Other shifts, over the mean rate.
+const OTHER_SHIFTS: [f64; 5] = [1.7, 0.55, 3.1, 0.3, 6.0];
 
 /// X = Aᵀ X (I + G X)⁻¹ A + H: what doubling solves, and its iterates (A_k, G_k, H_k).
 #[derive(Debug, Clone)]
@@ -39,41 +42,54 @@ impl Doubling {
         let n = a.nrows();
         let mean = mean_rate(a, g, q);
         let mut factorisations = 8;
-        for factor in OTHER_SHIFTS {
-            let gamma = mean * factor;
-            let mut shifted = a.clone();
-            (0..n).for_each(|i| shifted[(i, i)] -= gamma);
-            let lu = shifted.partial_piv_lu();
+        let (mut lu, mut lu_w) = (Lu::new(n, n), Lu::new(n, n));
+        let mut pivots = |gamma: f64| {
+            lu.matrix().copy_from(a);
+            (0..n).for_each(|i| lu.matrix()[(i, i)] -= gamma);
+            lu.factor();
             factorisations += 1;
-            let u = lu.U();
-            let pivots = (0..n).map(|i| u[(i, i)].abs());
-            let (least, largest) = pivots.fold((f64::INFINITY, 0.0f64), |(l, h), p| (l.min(p), h.max(p)));
-            if !(least > SMALLEST_PIVOT * largest) {
-                continue;
+            let (least, largest) = lu.pivots().fold((f64::MAX, 0.0f64), |(l, h), p| (l.min(p), h.max(p)));
+            least / largest
+        };
+        // an eigenvalue of an unstable A near γ costs as many digits as the pivots say
+        let (mut gamma, mut best) = (mean, pivots(mean));
+        if !(best > GOOD_PIVOT) {
+            for other in OTHER_SHIFTS.map(|f| f * mean) {
+                let found = pivots(other);
+                if found > best || best.is_nan() {
+                    (gamma, best) = (other, found);
+                }
             }
-            let inverse_g = lu.solve(g); // A_γ⁻¹ G
-            let mut w = shifted.transpose() + q * &inverse_g;
-            let lu_w = w.partial_piv_lu();
-            factorisations += 1;
-            let inverse = lu_w.solve(Mat::identity(n, n)); // the transform is W⁻¹ itself
-            // Ĥ = 2γ (A_γ⁻ᵀ (W⁻¹Q)ᵀ)ᵀ and symmetric
-            let scale = 2.0 * gamma;
-            let wq = &inverse * q;
-            let mut h = lu.solve_transpose(wq.transpose());
-            let mut g_hat = &inverse_g * &inverse;
-            h *= faer::Scale(scale);
-            g_hat *= faer::Scale(scale);
-            average(&mut h);
-            average(&mut g_hat);
-            w.copy_from(inverse.transpose());
-            w *= faer::Scale(scale);
-            (0..n).for_each(|i| w[(i, i)] += 1.0);
-            let size = w.norm_max() + h.norm_max() + g_hat.norm_max();
-            if size.is_finite() && size < DIVERGED {
-                return Some(Self { a: w, g: g_hat, h, factorisations });
-            }
+            pivots(gamma);
         }
-        None
+        if !(best > SMALLEST_PIVOT) {
+            return None;
+        }
+        let mut inverse_g = g.clone(); // A_γ⁻¹ G
+        lu.solve(inverse_g.as_mut());
+        let w = lu_w.matrix();
+        w.copy_from(a.transpose());
+        (0..n).for_each(|i| w[(i, i)] -= gamma);
+        matmul(&mut *w, Accum::Add, q, &inverse_g, 1.0, Par::Seq);
+        lu_w.factor();
+        factorisations += 1;
+        let scale = 2.0 * gamma;
+        // the transform is 2γ W⁻¹ itself
+        let mut inverse = Mat::zeros(n, n);
+        (0..n).for_each(|i| inverse[(i, i)] = scale);
+        lu_w.solve(inverse.as_mut());
+        // Ĥ = (A_γ⁻ᵀ (2γ W⁻¹ Q)ᵀ)ᵀ and symmetric
+        let mut h = Mat::zeros(n, n);
+        matmul(&mut h, Accum::Replace, q, inverse.transpose(), 1.0, Par::Seq);
+        lu.solve_transposed(h.as_mut());
+        let mut g_hat = &inverse_g * &inverse;
+        average(&mut h);
+        average(&mut g_hat);
+        inverse_g.copy_from(inverse.transpose());
+        let mut a_hat = inverse_g;
+        (0..n).for_each(|i| a_hat[(i, i)] += 1.0);
+        let size = a_hat.norm_max() + h.norm_max() + g_hat.norm_max();
+        (size.is_finite() && size < DIVERGED).then_some(Self { a: a_hat, g: g_hat, h, factorisations })
     }
 
     /// H_k to convergence, which is X; none where it diverges.
@@ -86,15 +102,16 @@ impl Doubling {
         let n = self.a.nrows();
         let (mut w, mut ha) = (Mat::zeros(n, n), Mat::zeros(n, n));
         let (mut both, mut turned) = (Mat::zeros(n, 2 * n), Mat::zeros(n, 2 * n));
+        let mut lu = Lu::new(n, 2 * n);
         for _ in 0..STEPS {
             let Self { a, g, h, factorisations } = &mut self;
-            matmul(&mut w, Accum::Replace, &*g, &*h, 1.0, Par::Seq);
-            (0..n).for_each(|i| w[(i, i)] += 1.0);
+            matmul(lu.matrix(), Accum::Replace, &*g, &*h, 1.0, Par::Seq);
+            (0..n).for_each(|i| lu.matrix()[(i, i)] += 1.0);
             both.subcols_mut(0, n).copy_from(&*a);
             both.subcols_mut(n, n).copy_from(&*g);
-            let lu = w.partial_piv_lu();
+            lu.factor();
             *factorisations += 1;
-            lu.solve_in_place(&mut both);
+            lu.solve(both.as_mut());
             // A [V₁ V₂], and H A before A changes
             matmul(&mut turned, Accum::Replace, &*a, &both, 1.0, Par::Seq);
             matmul(&mut ha, Accum::Replace, &*h, &*a, 1.0, Par::Seq);
@@ -120,12 +137,12 @@ impl Doubling {
 /// |det [A −G; −Q −Aᵀ]|^{1/2n}, with pivots below ε of the largest taken as that.
 fn mean_rate(a: &Mat, g: &Mat, q: &Mat) -> f64 {
     let n = a.nrows();
-    let hamiltonian = hamiltonian(a, g, q);
-    let lu = hamiltonian.partial_piv_lu();
-    let u = lu.U();
-    let largest = (0..2 * n).fold(0.0f64, |m, i| m.max(u[(i, i)].abs()));
+    let mut lu = Lu::new(2 * n, 0);
+    *lu.matrix() = hamiltonian(a, g, q);
+    lu.factor();
+    let largest = lu.pivots().fold(0.0f64, f64::max);
     let floor = (f64::EPSILON * largest).max(f64::MIN_POSITIVE);
-    let sum: f64 = (0..2 * n).map(|i| u[(i, i)].abs().max(floor).log2()).sum();
+    let sum: f64 = lu.pivots().map(|p| p.max(floor).log2()).sum();
     let mean = (sum / (2 * n) as f64).exp2();
     if mean.is_finite() { mean } else { 1.0 }
 }

@@ -39,6 +39,25 @@ pub(super) fn symmetric(name: &'static str, a: &Mat, n: usize) -> Result<Mat, Ri
     Ok(even)
 }
 
+/// ‖A‖_F: a plain sum of squares where that neither overflows nor loses, else faer's.
+pub(super) fn norm(a: &Mat) -> f64 {
+    const SAFE: std::ops::Range<f64> = 1e-250..1e250;
+    let mut lanes = [0.0; 4];
+    for j in 0..a.ncols() {
+        let quads = a.col_as_slice(j).chunks_exact(4);
+        for (lane, v) in lanes.iter_mut().zip(quads.remainder()) {
+            *lane += v * v;
+        }
+        for quad in quads {
+            for (lane, v) in lanes.iter_mut().zip(quad) {
+                *lane += v * v;
+            }
+        }
+    }
+    let sum: f64 = lanes.iter().sum();
+    if SAFE.contains(&sum) { sum.sqrt() } else { a.norm_l2() }
+}
+
 /// A ← (A + Aᵀ)/2.
 pub(super) fn average(a: &mut Mat) {
     for j in 0..a.ncols() {

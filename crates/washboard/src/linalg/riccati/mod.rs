@@ -8,6 +8,7 @@ mod diagnose;
 mod doubling;
 mod error;
 mod input;
+mod lu;
 mod newton;
 mod scaling;
 mod schur_route;
@@ -72,6 +73,13 @@ impl Standard {
         }
     }
 
+    /// What stands in the way of a stabilising solution, if it can be found.
+    fn obstacle(&self) -> Option<RiccatiError> {
+        diagnose::unreachable(self.equation, &self.a, &self.reach)
+            .or_else(|| diagnose::boundary(self.equation, &self.a, &self.g, &self.q))
+    }
+
+    /// X by the ordered Schur form.
     fn schur(&self) -> Result<Mat, LinalgError> {
         match self.equation {
             Equation::Continuous => schur_route::continuous(&self.a, &self.g, &self.q),
@@ -98,36 +106,27 @@ fn stabilising(
     });
     if !best.as_ref().is_some_and(|b| sound(b, SUSPICIOUS) && b.at.over_rounding() <= rounding) {
         factorisations += 8;
-        if let Some(other) = standard.schur().ok().and_then(from) {
-            if best.as_ref().is_none_or(|b| better(&other, b)) {
-                best = Some(other);
-            }
-        }
+        let other = standard.schur().ok().and_then(from);
+        best = match (best, other) {
+            (Some(one), Some(other)) => Some(if better(&other, &one) { other } else { one }),
+            (one, other) => one.or(other),
+        };
     }
-    let why_not = |found: Option<&Refined>| {
-        diagnose::unreachable(standard.equation, &standard.a, &standard.reach)
-            .or_else(|| diagnose::boundary(standard.equation, &standard.a, &standard.g, &standard.q))
-            .unwrap_or_else(|| RiccatiError::Unconfirmed {
-                scaled_residual: found.map_or(f64::INFINITY, |f| f.at.scaled()),
-                margin: found.map_or(f64::INFINITY, |f| f.linearised.margin()),
-            })
+    let unconfirmed = |scaled_residual, margin| {
+        standard.obstacle().unwrap_or(RiccatiError::Unconfirmed { scaled_residual, margin })
     };
-    let Some(best) = best else { return Err(why_not(None)) };
+    let Some(best) = best else { return Err(unconfirmed(f64::INFINITY, f64::INFINITY)) };
     if !sound(&best, REFUSED) {
-        return Err(why_not(Some(&best)));
+        return Err(unconfirmed(best.at.scaled(), best.linearised.margin));
     }
-    let Errors { condition, forward, proven } = errors(&best, &standard.g, scaling, norms);
-    if !proven {
-        // too near to the boundary for the residual alone to say that there is a solution
-        if let Some(why) = diagnose::unreachable(standard.equation, &standard.a, &standard.reach)
-            .or_else(|| diagnose::boundary(standard.equation, &standard.a, &standard.g, &standard.q))
-        {
-            return Err(why);
-        }
+    let Errors { condition, forward, proven } = errors(&best, &standard.g, scaling, &norms);
+    // too near to the boundary for the residual alone to say that there is a solution?
+    if !proven && let Some(why) = standard.obstacle() {
+        return Err(why);
     }
     let scaled_residual = best.at.scaled();
     let x = scaling.g(&best.x);
-    let values = best.linearised.schur.eigenvalues();
+    let values = best.linearised.eigenvalues;
     let gain = best.at.gain.map_or_else(|| Mat::zeros(0, n), |f| scaling.gain(&f));
     if !(x.norm_max().is_finite() && gain.norm_max().is_finite()) {
         return Err(LinalgError::NotFinite { name: "X", row: 0, col: 0, value: x.norm_max() }.into());
@@ -144,12 +143,12 @@ fn stabilising(
 }
 
 fn sound(found: &Refined, residual: f64) -> bool {
-    found.at.scaled() <= residual && (found.linearised.margin() < 0.0)
+    found.at.scaled() <= residual && (found.linearised.margin < 0.0)
 }
 
 /// A stable one before an unstable one, then the smaller residual.
 fn better(one: &Refined, other: &Refined) -> bool {
-    let stable = |r: &Refined| r.linearised.margin() < 0.0;
+    let stable = |r: &Refined| r.linearised.margin < 0.0;
     match (stable(one), stable(other)) {
         (true, false) => true,
         (false, true) => false,

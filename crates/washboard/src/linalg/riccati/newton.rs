@@ -4,7 +4,7 @@ use super::super::blocked;
 use super::super::dense::{C64, LinalgError, Mat, solve};
 use super::super::quasi_triangular::{Equation, Right, substitute};
 use super::super::schur::RealSchur;
-use super::input::average;
+use super::input::{average, norm};
 
 /// Factorisations of the closed loop at most; a good start needs one.
 const ROUNDS: usize = 12;
@@ -43,6 +43,8 @@ pub(super) enum Problem {
 pub(super) struct At {
     /// The equation's left-hand side.
     pub residual: Mat,
+    /// Its norm.
+    pub left: f64,
     /// The sum of the norms of its terms.
     pub terms: f64,
     /// The sum of the products of their factors' norms: what the residual's rounding goes with.
@@ -56,12 +58,12 @@ pub(super) struct At {
 impl At {
     /// ‖residual‖ over the sum of its terms' norms.
     pub fn scaled(&self) -> f64 {
-        ratio(self.residual.norm_l2(), self.terms)
+        ratio(self.left, self.terms)
     }
 
     /// ‖residual‖ over the sum of the products of its factors' norms: of the order of ε where nothing is left to win.
     pub fn over_rounding(&self) -> f64 {
-        ratio(self.residual.norm_l2(), self.products)
+        ratio(self.left, self.products)
     }
 }
 
@@ -79,9 +81,10 @@ impl Problem {
                 let (xa, xgx) = (x * a, x * (a - &closed_loop));
                 let mut residual = &xa + xa.transpose() - &xgx + q;
                 average(&mut residual);
-                let (linear, size) = (2.0 * a.norm_l2() * x.norm_l2() + q.norm_l2(), x.norm_l2());
-                let (terms, products) = (linear + xgx.norm_l2(), linear + size * size * g.norm_l2());
-                Ok(At { residual, terms, products, closed_loop, gain: None })
+                let (size, left) = (norm(x), norm(&residual));
+                let linear = 2.0 * norm(a) * size + norm(q);
+                let (terms, products) = (linear + norm(&xgx), linear + size * size * norm(g));
+                Ok(At { residual, left, terms, products, closed_loop, gain: None })
             }
             Self::Discrete { a, b, q, r, s } => {
                 let bx = b.transpose() * x;
@@ -91,11 +94,11 @@ impl Problem {
                 let (control, moved) = (cross.transpose() * &gain, a.transpose() * (x * a));
                 let mut residual = &moved - x + &control + q;
                 average(&mut residual);
-                let size = a.norm_l2();
-                let linear = (size * size + 1.0) * x.norm_l2() + q.norm_l2();
-                let (terms, products) =
-                    (linear + control.norm_l2(), linear + cross.norm_l2() * gain.norm_l2());
-                Ok(At { residual, terms, products, closed_loop, gain: Some(gain) })
+                let size = norm(a);
+                let linear = (size * size + 1.0) * norm(x) + norm(q);
+                let (terms, products) = (linear + norm(&control), linear + norm(&cross) * norm(&gain));
+                let left = norm(&residual);
+                Ok(At { residual, left, terms, products, closed_loop, gain: Some(gain) })
             }
         }
     }
@@ -114,11 +117,22 @@ impl Problem {
 pub(super) struct Linearised {
     pub equation: Equation,
     pub schur: RealSchur,
+    /// The closed loop's.
+    pub eigenvalues: Vec<C64>,
+    /// max Re λ, or max |λ| − 1: negative where the closed loop is stable.
+    pub margin: f64,
 }
 
 impl Linearised {
     pub fn of(equation: Equation, closed_loop: &Mat) -> Result<Self, LinalgError> {
-        Ok(Self { equation, schur: RealSchur::new(&closed_loop.transpose().to_owned())? })
+        let schur = RealSchur::new(&closed_loop.transpose().to_owned())?;
+        let eigenvalues = schur.eigenvalues();
+        let size = |z: &C64| match equation {
+            Equation::Continuous => z.re,
+            Equation::Discrete => z.norm() - 1.0,
+        };
+        let margin = eigenvalues.iter().map(size).fold(f64::NEG_INFINITY, f64::max);
+        Ok(Self { equation, schur, eigenvalues, margin })
     }
 
     /// Ỹ of Y = Z Ỹ Zᵀ, given W̃ = ZᵀWZ.
@@ -145,15 +159,6 @@ impl Linearised {
         average(&mut y);
         y
     }
-
-    /// max Re λ, or max |λ| − 1: negative where the closed loop is stable.
-    pub fn margin(&self) -> f64 {
-        let size = |z: &C64| match self.equation {
-            Equation::Continuous => z.re,
-            Equation::Discrete => z.norm() - 1.0,
-        };
-        self.schur.eigenvalues().iter().map(size).fold(f64::NEG_INFINITY, f64::max)
-    }
 }
 
 /// The best iterate of Newton's method.
@@ -178,7 +183,7 @@ pub(super) fn refine(problem: &Problem, x0: Mat) -> Result<Refined, LinalgError>
         let linearised = Linearised::of(problem.equation(), &at.closed_loop)?;
         factorisations += 1;
         let (start, mut moved) = (at.scaled(), 0.0f64);
-        let corrections = if linearised.margin() < 0.0 { CORRECTIONS } else { 0 };
+        let corrections = if linearised.margin < 0.0 { CORRECTIONS } else { 0 };
         for _ in 0..corrections {
             let before = at.scaled();
             if before <= rounding {
@@ -191,7 +196,7 @@ pub(super) fn refine(problem: &Problem, x0: Mat) -> Result<Refined, LinalgError>
             if !(after < before) {
                 break;
             }
-            moved += step.norm_l2() / next.norm_l2().max(f64::MIN_POSITIVE);
+            moved += norm(&step) / norm(&next).max(f64::MIN_POSITIVE);
             (x, at) = (next, found);
             if after > PROGRESS * before {
                 break;

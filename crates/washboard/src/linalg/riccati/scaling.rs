@@ -1,6 +1,7 @@
 //! Units out of the way: states and X scaled by powers of two, exactly.
 
 use super::super::dense::Mat;
+use super::input::norm;
 
 /// Sweeps of balancing; three are usual.
 const SWEEPS: usize = 8;
@@ -25,30 +26,36 @@ impl Scaling {
     /// Hamiltonian matrices*, SIAM J. Sci. Comput. 22 (2000).
     pub fn of(a: &Mat, g: &Mat, q: &Mat) -> Self {
         let n = a.nrows();
-        let mut scaling = Self { d: vec![1.0; n], rho: matching(a.norm_l2(), g.norm_l2(), q.norm_l2()) };
+        let mut scaling = Self { d: vec![1.0; n], rho: matching(norm(a), norm(g), norm(q)) };
+        // magnitudes, in the scaling so far
+        let mut now = [a.clone(), scaling.g(g), scaling.q(q)];
         for _ in 0..SWEEPS {
             let mut changed = false;
             for i in 0..n {
-                let (out_of, into) = scaling.weights(a, g, q, i);
-                if !(out_of > 0.0 && into > 0.0 && (out_of / into).is_finite()) {
+                let (out_of, into) = weights(&now, i);
+                let ratio = into / out_of;
+                // rounds to 1, or has nothing to weigh against
+                if (0.5..=2.0).contains(&ratio) || !(ratio > 0.0 && ratio.is_finite()) {
                     continue;
                 }
-                let f = power_of_two((into / out_of).sqrt());
-                if f * out_of + into / f < WORTH_IT * (out_of + into) {
-                    let new = scaling.d[i] * f;
-                    if new.log2().abs() <= f64::from(LARGEST_EXPONENT) {
-                        scaling.d[i] = new;
-                        changed = true;
-                    }
+                let f = power_of_two(ratio.sqrt());
+                let new = scaling.d[i] * f;
+                let within = new.log2().abs() <= f64::from(LARGEST_EXPONENT);
+                if within && f * out_of + into / f < WORTH_IT * (out_of + into) {
+                    scaling.d[i] = new;
+                    rescale(&mut now, i, f);
+                    changed = true;
                 }
-            }
-            let (sg, sq) = (scaling.g(g).norm_l2(), scaling.q(q).norm_l2());
-            let f = matching(scaling.a(a).norm_l2(), sg, sq);
-            if f.is_finite() && (scaling.rho * f).log2().abs() <= 2.0 * f64::from(LARGEST_EXPONENT) {
-                scaling.rho *= f;
             }
             if !changed {
                 break;
+            }
+            let [a, g, q] = &mut now;
+            let f = matching(norm(a), norm(g), norm(q));
+            if f != 1.0 && (scaling.rho * f).log2().abs() <= 2.0 * f64::from(LARGEST_EXPONENT) {
+                scaling.rho *= f;
+                *g *= faer::Scale(f);
+                *q *= faer::Scale(1.0 / f);
             }
         }
         scaling
@@ -57,21 +64,6 @@ impl Scaling {
     /// Whether D = I.
     pub fn keeps_states(&self) -> bool {
         self.d.iter().all(|d| *d == 1.0)
-    }
-
-    /// What grows and what shrinks with dᵢ: column i of the Hamiltonian and its row i, without the diagonal.
-    fn weights(&self, a: &Mat, g: &Mat, q: &Mat, i: usize) -> (f64, f64) {
-        let (mut out_of, mut into) = (0.0, 0.0);
-        let d = &self.d;
-        for j in 0..d.len() {
-            if j != i {
-                out_of += a[(j, i)].abs() * (d[i] / d[j]);
-                into += a[(i, j)].abs() * (d[j] / d[i]);
-            }
-            out_of += q[(j, i)].abs() * (d[i] * d[j] / self.rho);
-            into += g[(j, i)].abs() * (self.rho / (d[i] * d[j]));
-        }
-        (out_of, into)
     }
 
     /// D⁻¹ A D.
@@ -102,6 +94,28 @@ impl Scaling {
     /// D S / ρ.
     pub fn s(&self, s: &Mat) -> Mat {
         Mat::from_fn(s.nrows(), s.ncols(), |i, j| s[(i, j)] * self.d[i] / self.rho)
+    }
+}
+
+/// What grows and what shrinks with dᵢ: column i of the Hamiltonian and its row i, without A's diagonal.
+fn weights([a, g, q]: &[Mat; 3], i: usize) -> (f64, f64) {
+    let sum = |column: &[f64]| column.iter().map(|v| v.abs()).sum::<f64>();
+    let own = a[(i, i)].abs();
+    let row: f64 = (0..a.ncols()).map(|j| a[(i, j)].abs()).sum();
+    let out_of = sum(a.col_as_slice(i)) - own + sum(q.col_as_slice(i));
+    (out_of.max(0.0), (row - own + sum(g.col_as_slice(i))).max(0.0))
+}
+
+/// dᵢ times f: A's column and Q's row and column grow, A's row and G's row and column shrink.
+fn rescale([a, g, q]: &mut [Mat; 3], i: usize, f: f64) {
+    for m in [&mut *a, &mut *q] {
+        m.col_as_slice_mut(i).iter_mut().for_each(|v| *v *= f);
+    }
+    g.col_as_slice_mut(i).iter_mut().for_each(|v| *v /= f);
+    for j in 0..a.ncols() {
+        a[(i, j)] /= f;
+        g[(i, j)] /= f;
+        q[(i, j)] *= f;
     }
 }
 

@@ -46,20 +46,21 @@ pub(super) fn swap_adjacent(
         }
         basis[(p + c, c)] = gamma;
     }
-    let (mut new_q, mut new_t) = (q.clone(), t.clone());
+    // first on the blocks alone: what is refused must leave T and Q as they are
+    let mut steps: Vec<(Vec<f64>, f64)> = Vec::with_capacity(r);
+    let mut local = t.submatrix(row, row, m, m).to_owned();
     for c in 0..r {
         let mut v: Vec<f64> = (c..m).map(|i| basis[(i, c)]).collect();
         let (_, tau) = reflector(&mut v);
         reflect_rows(&mut basis, &v, tau, c, c);
-        reflect_rows(&mut new_t, &v, tau, row + c, row);
-        reflect_cols(&mut new_t, &v, tau, row + c, row + m);
-        reflect_cols(&mut new_q, &v, tau, row + c, n);
+        reflect_rows(&mut local, &v, tau, c, 0);
+        reflect_cols(&mut local, &v, tau, c, m);
+        steps.push((v, tau));
     }
     let mut kept: f64 = 0.0;
-    for i in row + r..row + m {
-        for j in row..row + r {
-            kept = kept.max(new_t[(i, j)].abs());
-            new_t[(i, j)] = 0.0;
+    for i in r..m {
+        for j in 0..r {
+            kept = kept.max(local[(i, j)].abs());
         }
     }
     if kept > KEPT * size {
@@ -69,11 +70,20 @@ pub(super) fn swap_adjacent(
             value: kept / size,
         });
     }
-    for (at, width) in [(row, r), (row + r, p)] {
-        if width == 2 {
-            standardise_at(&mut new_q, &mut new_t, at);
+    for (c, (v, tau)) in steps.iter().enumerate() {
+        reflect_rows(t, v, *tau, row + c, row);
+        reflect_cols(t, v, *tau, row + c, row + m);
+        reflect_cols(q, v, *tau, row + c, n);
+    }
+    for i in row + r..row + m {
+        for j in row..row + r {
+            t[(i, j)] = 0.0;
         }
     }
-    (*q, *t) = (new_q, new_t);
+    for (at, width) in [(row, r), (row + r, p)] {
+        if width == 2 {
+            standardise_at(q, t, at);
+        }
+    }
     Ok(())
 }
