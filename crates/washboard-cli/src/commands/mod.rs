@@ -8,5 +8,6 @@ pub mod design;
 pub mod identify;
 pub mod modes;
 pub mod report;
+pub mod respond;
 pub mod ride;
 pub mod simulate;

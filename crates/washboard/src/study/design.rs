@@ -102,6 +102,7 @@ fn weights(problem: &Problem) -> LqgWeights {
         sensor_noise: vec![spec.lqg.sensor_noise; problem.measurements.len()],
         input_weight: vec![spec.input_weight; problem.plant.nu()],
         process_noise: spec.lqg.process_noise,
+        cross_term: spec.lqg.cross_term,
     }
 }
 

@@ -122,6 +122,13 @@ pub struct LqgSection {
     /// Of the disturbance.
     #[serde(default = "process_noise")]
     pub process_noise: f64,
+    /// Whether the cost keeps its cross term of states and controls; false reproduces a printed design that dropped it.
+    #[serde(default = "cross_term")]
+    pub cross_term: bool,
+}
+
+fn cross_term() -> bool {
+    true
 }
 
 fn sensor_noise() -> f64 {
@@ -134,7 +141,7 @@ fn process_noise() -> f64 {
 
 impl Default for LqgSection {
     fn default() -> Self {
-        LqgSection { sensor_noise: sensor_noise(), process_noise: process_noise() }
+        LqgSection { sensor_noise: sensor_noise(), process_noise: process_noise(), cross_term: true }
     }
 }
 

@@ -4,7 +4,9 @@ use crate::cases::CaseError;
 use crate::files::FileError;
 use crate::signal::SignalError;
 use crate::synthesis::SynthesisError;
-use crate::vehicle::{ControlError, LineariseError, PlantError, RideError, SimulateError, VehicleError};
+use crate::vehicle::{
+    BumpError, ControlError, LineariseError, PlantError, RideError, SimulateError, VehicleError,
+};
 use thiserror::Error;
 
 /// What is refused of a job.
@@ -55,6 +57,14 @@ pub enum StudyError {
         name: String,
         /// Why.
         source: SynthesisError,
+    },
+    /// A bump that has no response.
+    #[error("{name}: {source}")]
+    Bump {
+        /// The vehicle's file or `case:NAME`.
+        name: String,
+        /// Why.
+        source: BumpError,
     },
     /// A controller that cannot be used.
     #[error("{name}: {source}")]

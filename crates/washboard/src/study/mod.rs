@@ -28,6 +28,7 @@ mod load;
 mod modes;
 mod named;
 mod parts;
+mod respond;
 mod ride;
 mod sensors;
 mod shape_points;
@@ -54,11 +55,13 @@ pub use identify_outcome::*;
 pub use load::{LoadedRoad, LoadedVehicle, load_road, load_vehicle};
 pub use modes::{ModesOutcome, VehicleMode, VehicleModeKind, modes};
 pub use named::Named;
+pub use respond::{BumpOutcome, Direction, GainsOutcome, RespondOutcome, respond};
 pub use ride::{Infinite, RideOutcome, RideSpectra, Rms, ride};
 pub use sensors::{SensorRow, SensorsFile};
 pub use simulate::{
     DriveTruth, DrivenStretch, SimulateOutcome, SimulateRun, SimulatedChannel, TrueNoise, simulate,
 };
 pub use spec::{
-    CompareSpec, DampingSpec, DemoSpec, IdentifyMethod, IdentifySpec, ModesSpec, RideSpec, SimulateSpec, Spec,
+    CompareSpec, DampingSpec, DemoSpec, IdentifyMethod, IdentifySpec, ModesSpec, RespondSpec, RideSpec,
+    SimulateSpec, Spec,
 };

@@ -14,6 +14,8 @@ pub enum Spec {
     Modes(ModesSpec),
     /// See [`ride`](super::ride).
     Ride(RideSpec),
+    /// See [`respond`](super::respond).
+    Respond(RespondSpec),
     /// See [`simulate`](super::simulate).
     Simulate(SimulateSpec),
     /// See [`identify`](super::identify).
@@ -47,6 +49,25 @@ pub struct RideSpec {
     /// Forward speed.
     pub speed_m_s: f64,
     /// A controller in the loop: a design's directory or `result.json`, or a file `{a, b, c, d, inputs, outputs}`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub controller: Option<PathBuf>,
+}
+
+/// A vehicle over a bump, or for a pattern of the road.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct RespondSpec {
+    /// A vehicle file or `case:NAME`.
+    pub vehicle: String,
+    /// Forward speed.
+    pub speed_m_s: f64,
+    /// Height and length of a bump, m.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub bump: Option<[f64; 2]>,
+    /// A pattern of the road under the wheels.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub direction: Option<super::Direction>,
+    /// A controller in the loop.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub controller: Option<PathBuf>,
 }

@@ -1,7 +1,7 @@
 //! The H2-optimal controller of a generalised plant, and LQG as its special case.
 
 use super::{Filter, Regulator, SynthesisError, broken_assumptions, kalman, lqr};
-use crate::linalg::Mat;
+use crate::linalg::{Mat, lyapunov};
 use crate::lti::{Continuous, GeneralizedPlant, LtiError, Signals, StateSpace};
 
 /// A feedthrough below this share of the plant's largest entry is rounding.
@@ -29,6 +29,20 @@ pub struct LqgWeights {
     pub input_weight: Vec<f64>,
     /// Intensity of the disturbances (1: as the plant has them).
     pub process_noise: f64,
+    /// Whether the regulator's cost keeps C₁ᵀD₁₂, as it must. Without it the law is not the optimum of the cost: there to
+    /// reproduce a printed design.
+    pub cross_term: bool,
+}
+
+impl Default for LqgWeights {
+    fn default() -> Self {
+        LqgWeights {
+            sensor_noise: Vec::new(),
+            input_weight: Vec::new(),
+            process_noise: 1.0,
+            cross_term: true,
+        }
+    }
 }
 
 /// The controller that minimises ‖T_zw‖₂ of a generalised plant.
@@ -44,6 +58,10 @@ pub struct LqgWeights {
 /// Source: Doyle, Glover, Khargonekar, Francis, IEEE Trans. Automat. Control 34 (1989) 831–847; Zhou, Doyle, Glover,
 /// *Robust and Optimal Control*, ch. 14.
 pub fn h2(plant: &GeneralizedPlant) -> Result<H2Design, SynthesisError> {
+    with_cross_term(plant, true)
+}
+
+fn with_cross_term(plant: &GeneralizedPlant, cross_term: bool) -> Result<H2Design, SynthesisError> {
     let norm = plant.d11().norm_max();
     if norm > ROUNDING_OF_D * plant.b1().norm_max() * plant.c1().norm_max() {
         return Err(LtiError::NotStrictlyProper { what: "the H2 norm", norm }.into());
@@ -51,13 +69,13 @@ pub fn h2(plant: &GeneralizedPlant) -> Result<H2Design, SynthesisError> {
     let (a, b1, b2) = (plant.a(), plant.b1(), plant.b2());
     let (c1, c2, d12, d21, d22) = (plant.c1(), plant.c2(), plant.d12(), plant.d21(), plant.d22());
     let r = symmetric(&(d12.transpose() * &d12));
-    let both = lqr(a, &b2, &symmetric(&(c1.transpose() * &c1)), &r, Some(&(c1.transpose() * &d12))).and_then(
-        |regulator| {
-            let v = symmetric(&(&d21 * d21.transpose()));
-            let w = symmetric(&(&b1 * b1.transpose()));
-            Ok((regulator, kalman(a, &c2, &w, &v, Some(&(&b1 * d21.transpose())))?))
-        },
-    );
+    let cross = c1.transpose() * &d12;
+    let q = symmetric(&(c1.transpose() * &c1));
+    let both = lqr(a, &b2, &q, &r, cross_term.then_some(&cross)).and_then(|regulator| {
+        let v = symmetric(&(&d21 * d21.transpose()));
+        let w = symmetric(&(&b1 * b1.transpose()));
+        Ok((regulator, kalman(a, &c2, &w, &v, Some(&(&b1 * d21.transpose())))?))
+    });
     // the equations say that they can't be solved; the assumptions say what is wrong with the plant
     let (regulator, filter) = match both {
         Ok(both) => both,
@@ -69,9 +87,23 @@ pub fn h2(plant: &GeneralizedPlant) -> Result<H2Design, SynthesisError> {
     let (f, l) = (&regulator.gain, &filter.gain);
     let ak = a + &b2 * f + l * &c2 + l * &d22 * f;
     let controller = StateSpace::continuous(ak, -l.clone(), f.clone(), Mat::zeros(f.nrows(), l.ncols()))?;
-    let regulated = trace(&(b1.transpose() * &regulator.solution.x * &b1));
-    let estimated = trace(&(&r * f * &filter.solution.x * f.transpose()));
-    Ok(H2Design { controller, claimed_h2: (regulated + estimated).max(0.0).sqrt(), regulator, filter })
+    let squared = if cross_term {
+        let regulated = trace(&(b1.transpose() * &regulator.solution.x * &b1));
+        regulated + trace(&(&r * f * &filter.solution.x * f.transpose()))
+    } else {
+        of_any_regulator(plant, f, &filter)?
+    };
+    Ok(H2Design { controller, claimed_h2: squared.max(0.0).sqrt(), regulator, filter })
+}
+
+/// ‖T‖₂² of any stabilising F on the optimal filter: x̂ is driven by the innovations and not correlated with the error,
+/// tr((C₁ + D₁₂F) P (C₁ + D₁₂F)ᵀ) + tr(C₁YC₁ᵀ) with (A + B₂F)P + P(A + B₂F)ᵀ + L V Lᵀ = 0.
+fn of_any_regulator(plant: &GeneralizedPlant, f: &Mat, filter: &Filter) -> Result<f64, SynthesisError> {
+    let (c1, d21, l) = (plant.c1(), plant.d21(), &filter.gain);
+    let driven = l * &d21 * d21.transpose() * l.transpose();
+    let p = lyapunov(&(plant.a() + plant.b2() * f), &symmetric(&driven))?.x;
+    let seen = &c1 + plant.d12() * f;
+    Ok(trace(&(&seen * p * seen.transpose())) + trace(&(&c1 * &filter.solution.x * c1.transpose())))
 }
 
 /// The LQG controller: [`h2`] of the plant with white noise beside its measurements, weights on its controls and its
@@ -82,7 +114,7 @@ pub fn h2(plant: &GeneralizedPlant) -> Result<H2Design, SynthesisError> {
 /// # Errors
 /// Weights or intensities that are negative or of another number; else as [`h2`].
 pub fn lqg(plant: &GeneralizedPlant, weights: &LqgWeights) -> Result<H2Design, SynthesisError> {
-    h2(&lqg_plant(plant, weights)?)
+    with_cross_term(&lqg_plant(plant, weights)?, weights.cross_term)
 }
 
 /// The plant that [`lqg`] solves.

@@ -92,6 +92,18 @@ impl Control {
         &self.poles
     }
 
+    /// K.
+    #[must_use]
+    pub fn controller(&self) -> &StateSpace<Continuous> {
+        &self.controller
+    }
+
+    /// The vehicle's actuators that its outputs drive, in their order.
+    #[must_use]
+    pub fn actuators(&self) -> &[usize] {
+        &self.actuators
+    }
+
     /// What the controller measures.
     #[must_use]
     pub fn measurements(&self) -> &[Output] {

@@ -2,6 +2,7 @@
 
 mod body;
 mod bounce_truck;
+mod bump;
 mod controlled;
 mod damper;
 mod driven;
@@ -25,6 +26,7 @@ mod truck_cabin;
 mod values;
 
 pub use bounce_truck::BounceTruck;
+pub use bump::{Bump, BumpError, BumpResponse};
 pub use controlled::{Control, ControlError};
 pub use damper::{Damper, DamperCurve};
 pub use full_car::FullCar;

@@ -2,6 +2,7 @@
 
 #![allow(clippy::unwrap_used)]
 
+mod other_vehicles;
 mod plants;
 mod quarter_car;
 mod wrong_plants;

@@ -28,8 +28,11 @@ fn lqg_comes_out_as_published() {
         let passive = rms(&Certificate::passive(&plant).unwrap());
         let weights: Vec<f64> = passive.iter().map(|r| 1.0 / r).collect();
         let weighted = plant.with_weights(&weights).unwrap();
-        let lqg_weights =
-            LqgWeights { sensor_noise: vec![1e-8; y.len()], input_weight: vec![0.0], process_noise: 1.0 };
+        let lqg_weights = LqgWeights {
+            sensor_noise: vec![1e-8; y.len()],
+            input_weight: vec![0.0],
+            ..LqgWeights::default()
+        };
         let found = lqg(&weighted, &lqg_weights).unwrap();
         rms(&Certificate::of(&plant, &found.controller).unwrap())
     };

@@ -18,7 +18,7 @@ fn a_noise_free_measurement_is_named() {
 #[test]
 fn an_unweighted_control_is_named() {
     let plant = quarter_car(98.0, &["y2"]).select(&["travel", "tire"], &["y2"]).unwrap();
-    let weights = LqgWeights { sensor_noise: vec![1e-8], input_weight: vec![0.0], process_noise: 1.0 };
+    let weights = LqgWeights { sensor_noise: vec![1e-8], input_weight: vec![0.0], ..LqgWeights::default() };
     let error = lqg(&plant, &weights).unwrap_err();
     assert!(error.to_string().contains("`force` costs nothing"), "{error}");
     let weighted = LqgWeights { input_weight: vec![1e-6], ..weights };
@@ -33,7 +33,7 @@ fn an_unweighted_control_is_named() {
 #[test]
 fn wrong_weights_are_refused_by_name() {
     let plant = quarter_car(98.0, &["y2"]);
-    let weights = LqgWeights { sensor_noise: vec![1e-8], input_weight: vec![0.0], process_noise: 1.0 };
+    let weights = LqgWeights { sensor_noise: vec![1e-8], input_weight: vec![0.0], ..LqgWeights::default() };
     let refused = |w: LqgWeights| lqg(&plant, &w).unwrap_err().to_string();
     assert!(refused(LqgWeights { sensor_noise: vec![-1.0], ..weights.clone() }).contains("sensor noise"));
     assert!(refused(LqgWeights { input_weight: vec![f64::NAN], ..weights.clone() }).contains("input weight"));
