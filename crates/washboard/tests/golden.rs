@@ -10,8 +10,8 @@ use serde::de::DeserializeOwned;
 use serde_json::Value;
 use std::path::Path;
 use washboard::study::{
-    CompareOutcome, DampingOutcome, DriveTruth, Envelope, IdentifyOutcome, ModesOutcome, ModesSpec,
-    RideOutcome, SimulateOutcome, Spec, modes,
+    CompareOutcome, DampingOutcome, DesignOutcome, DriveTruth, Envelope, IdentifyOutcome, ModesOutcome,
+    ModesSpec, RespondOutcome, RideOutcome, SimulateOutcome, Spec, modes,
 };
 
 fn golden(name: &str) -> Value {
@@ -27,7 +27,7 @@ fn comes_out_the_same<T: Serialize + DeserializeOwned>(name: &str) {
 
 #[test]
 fn specifications_keep_their_keys() {
-    for job in ["modes", "ride", "simulate", "identify", "demo", "compare", "damping"] {
+    for job in ["modes", "ride", "simulate", "identify", "demo", "compare", "damping", "design", "respond"] {
         comes_out_the_same::<Spec>(&format!("spec-{job}.json"));
         let mut stray = golden(&format!("spec-{job}.json"));
         stray["stray"] = Value::Bool(true);
@@ -45,6 +45,8 @@ fn outcomes_keep_their_keys() {
     comes_out_the_same::<Envelope<DriveTruth>>("truth.json");
     comes_out_the_same::<Envelope<IdentifyOutcome>>("outcome-identify.json");
     comes_out_the_same::<Envelope<CompareOutcome>>("outcome-compare.json");
+    comes_out_the_same::<Envelope<DesignOutcome>>("outcome-design.json");
+    comes_out_the_same::<Envelope<RespondOutcome>>("outcome-respond.json");
 }
 
 /// The golden file is not only consistent: it is what the job gives (a regression value).

@@ -80,6 +80,16 @@ impl Problem {
         // a wanted output that can't be a performance is an error; of the others, those that can be are shown
         let y: Vec<&Output> = measurements.iter().collect();
         vehicle.plant(&wanted.iter().collect::<Vec<_>>(), &y, &settings).map_err(plant_error)?;
+        for output in &wanted {
+            let alone = vehicle.plant(&[output], &[], &settings).map_err(plant_error)?;
+            if !settles(&alone) {
+                return Err(StudyError::Setting {
+                    field: "goal.minimize",
+                    expected: "outputs that settle; on white road velocity a height wanders off (take another output, or a filtered road with disturbance road-noise)".into(),
+                    found: format!("`{}`", output.name),
+                });
+            }
+        }
         let reported: Vec<Output> = vehicle
             .outputs()
             .iter()

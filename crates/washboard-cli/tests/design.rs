@@ -1,0 +1,156 @@
+//! `washboard design`, `ride --controller` and `respond` as a user meets them.
+
+#![allow(clippy::unwrap_used)]
+
+use serde_json::Value;
+use std::fs;
+use std::path::PathBuf;
+use std::process::Command;
+
+const DESIGN: &str = r#"vehicle = "case:turkay-quarter-car"
+road = "case:turkay-white-velocity"
+speed_m_s = 20.0
+measurements = ["suspension_travel"]
+method = "lqg"
+[override]
+tire_damping_n_s_per_m = 98.0
+[goal]
+minimize = { sprung_acceleration = 1.0, suspension_travel = 1.0, tire_deflection = 1.0 }
+"#;
+
+struct Folder(PathBuf);
+
+impl Folder {
+    fn new(name: &str) -> Self {
+        let folder = std::env::temp_dir().join(format!("washboard-design-{name}-{}", std::process::id()));
+        let _ = fs::remove_dir_all(&folder);
+        fs::create_dir(&folder).unwrap();
+        Folder(folder)
+    }
+
+    fn run(&self, line: &str) -> (i32, String, String) {
+        let words: Vec<&str> = line.split_whitespace().collect();
+        let run =
+            Command::new(env!("CARGO_BIN_EXE_washboard")).current_dir(&self.0).args(words).output().unwrap();
+        let text = |b: &[u8]| String::from_utf8(b.to_vec()).unwrap();
+        (run.status.code().unwrap(), text(&run.stdout), text(&run.stderr))
+    }
+
+    fn design(&self, text: &str) -> (i32, Value, String) {
+        fs::write(self.0.join("design.toml"), text).unwrap();
+        let (status, out, err) = self.run("design design.toml --json");
+        (status, serde_json::from_str(&out).unwrap_or(Value::Null), err)
+    }
+}
+
+impl Drop for Folder {
+    fn drop(&mut self) {
+        let _ = fs::remove_dir_all(&self.0);
+    }
+}
+
+#[test]
+fn a_design_is_made_ridden_on_and_shown_again() {
+    let folder = Folder::new("made");
+    fs::write(folder.0.join("design.toml"), format!("{DESIGN}[discretize]\ndt_s = 0.001\n")).unwrap();
+    let (status, out, err) = folder.run("design design.toml -o made");
+    assert_eq!(status, 0, "{err}");
+    assert!(out.contains("designed: order 4") && out.contains("sprung_acceleration"), "{out}");
+    for file in ["result.json", "report.html", "controller.json", "controller.mat", "controller.h"] {
+        assert!(folder.0.join("made").join(file).is_file(), "{file}");
+    }
+    let result: Value =
+        serde_json::from_str(&fs::read_to_string(folder.0.join("made/result.json")).unwrap()).unwrap();
+    // the notes' number for this design
+    assert!((result["verified"]["rms"]["sprung_acceleration"].as_f64().unwrap() - 0.48951).abs() < 1e-5);
+    fs::write(
+        folder.0.join("car.toml"),
+        folder
+            .run("cases turkay-quarter-car")
+            .1
+            .replace("damping_n_s_per_m = 0.0", "damping_n_s_per_m = 98.0"),
+    )
+    .unwrap();
+    // the same number by the ride, from three forms of the controller
+    for controller in ["made", "made/result.json", "made/controller.json"] {
+        let ride = format!(
+            "ride car.toml --road case:turkay-white-velocity --speed-m-s 20 --controller {controller} --json"
+        );
+        let (status, out, err) = folder.run(&ride);
+        assert_eq!(status, 0, "{err}");
+        let ride: Value = serde_json::from_str(&out).unwrap();
+        let (a, b) = (&ride["rms"]["sprung_acceleration"], &result["verified"]["rms"]["sprung_acceleration"]);
+        assert!((a.as_f64().unwrap() / b.as_f64().unwrap() - 1.0).abs() < 1e-12);
+    }
+    let page = fs::read(folder.0.join("made/report.html")).unwrap();
+    assert_eq!(folder.run("report made").0, 0);
+    assert_eq!(fs::read(folder.0.join("made/report.html")).unwrap(), page);
+    let (status, out, _) = folder.run("respond car.toml --speed-m-s 12.5 --bump 0.1,2 --controller made");
+    assert!(status == 0 && out.contains("less than passive"), "{out}");
+}
+
+#[test]
+fn the_c_header_steps_as_the_controller_does() {
+    let folder = Folder::new("header");
+    fs::write(folder.0.join("design.toml"), format!("{DESIGN}[discretize]\ndt_s = 0.001\n")).unwrap();
+    assert_eq!(folder.run("design design.toml -o made").0, 0);
+    let main = "#include <stdio.h>\n#include \"made/controller.h\"\nint main(void) { double x[CONTROLLER_STATES] = {0}, u[1]; \
+                for (int k = 0; k < 50; ++k) { double y[1] = {k % 7 - 3.0}; controller_step(x, y, u); } printf(\"%.17g\", u[0]); return 0; }";
+    fs::write(folder.0.join("main.c"), main).unwrap();
+    let built =
+        Command::new("cc").current_dir(&folder.0).args(["-Wall", "-Werror", "-o", "main", "main.c"]).status();
+    let Ok(built) = built else {
+        eprintln!("skipped: no C compiler");
+        return;
+    };
+    assert!(built.success());
+    let run = Command::new(folder.0.join("main")).output().unwrap();
+    let c: f64 = String::from_utf8(run.stdout).unwrap().parse().unwrap();
+    let (file, _) = washboard::study::read_controller(&folder.0.join("made")).unwrap();
+    let discrete = file.state_space().unwrap().tustin(0.001).unwrap();
+    let y: Vec<Vec<f64>> = (0..50).map(|k| vec![f64::from(k % 7) - 3.0]).collect();
+    let u = discrete.respond(&y).unwrap()[49][0];
+    assert!((c / u - 1.0).abs() < 1e-12, "{c} {u}");
+}
+
+#[test]
+fn the_limit_and_an_h_infinity_design_have_their_own_answers() {
+    let folder = Folder::new("methods");
+    let (status, limit, _) = folder.design(&DESIGN.replace("\"lqg\"", "\"h2-limit\""));
+    assert_eq!((status, limit["status"].as_str()), (0, Some("limit")));
+    assert!(limit.get("controller").is_none());
+    let (status, hinf, _) = folder.design(&DESIGN.replace("\"lqg\"", "\"hinf\""));
+    assert_eq!((status, hinf["status"].as_str()), (0, Some("designed")));
+    let gamma = hinf["claimed"]["gamma"].as_f64().unwrap();
+    assert!(hinf["objective"]["verified"].as_f64().unwrap() <= gamma * 1.001);
+    // nothing weighted moves with the force at once: said in words, exit 1
+    let (status, none, _) = folder.design(&DESIGN.replace("sprung_acceleration = 1.0, ", ""));
+    assert_eq!((status, none["status"].as_str()), (1, Some("infeasible")));
+    assert!(none["why"].as_str().unwrap().contains("`actuator` costs nothing"), "{none}");
+}
+
+#[test]
+fn wrong_designs_are_answered_by_field() {
+    let folder = Folder::new("wrong");
+    for (from, to, words) in [
+        (
+            "suspension_travel\"]",
+            "suspension_travl\"]",
+            "measurements: expected outputs of the vehicle (did you mean `suspension_travel`?)",
+        ),
+        ("= \"lqg\"", "= \"lqr\"", "unknown variant `lqr`"),
+        ("sprung_acceleration = 1.0", "sprung_acceleration = -1.0", "goal.minimize: expected weights"),
+        ("tire_damping_n_s_per_m", "tyre_damping_n_s_per_m", "no parameter `tyre_damping_n_s_per_m`"),
+        ("speed_m_s = 20.0", "speed_m_s = 0.0", "speed_m_s: expected a positive number"),
+        ("case:turkay-white-velocity", "case:iso8608-c", "bogsjo"),
+        ("[goal]", "[gaol]", "unknown field `gaol`"),
+        ("sprung_acceleration = 1.0", "sprung_displacement = 1.0", "sprung_displacement"),
+    ] {
+        let (status, _, err) = folder.design(&DESIGN.replace(from, to));
+        assert_eq!(status, 2, "{to}: {err}");
+        assert!(err.contains(words), "{to}: {err}");
+    }
+    let (status, out, err) = folder
+        .run("ride case:turkay-quarter-car --road case:iso8608-c --speed-m-s 20 --controller none.json");
+    assert!(status == 2 && out.is_empty() && err.contains("none.json"), "{err}");
+}
