@@ -104,3 +104,41 @@ fn the_truck_cabin_comes_out_as_printed_and_as_it_should() {
         assert!((u[0] / u[1] - 1.0).abs() < 1e-6 && (u[2] / u[3] - 1.0).abs() < 1e-6, "{u:?}");
     }
 }
+
+#[test]
+fn the_cabins_shaping_filter_is_figure_8_3() {
+    // the chassis on white road velocity, and behind the leak of (8.6), λ = 0.1: alike above 0.02 Hz
+    let truck = cases::vehicle("turkay-bounce-truck").unwrap();
+    let white = cases::road("turkay-white-velocity").unwrap();
+    let chassis = truck.output("sprung_displacement").unwrap();
+    let psd = |road: &Road, omega: f64| {
+        washboard::vehicle::Ride::new(&truck, road, 20.0).unwrap().spectrum(&[chassis], omega).unwrap()
+            [(0, 0)]
+            .re
+    };
+    for hz in [0.02, 0.05, 0.1, 1.0, 1.6, 3.0, 10.0, 18.0] {
+        let omega = std::f64::consts::TAU * hz;
+        let (exact, leaking) = (psd(&white, omega), psd(&cabin_road(), omega));
+        // |ω/(iω + λ)|²
+        let known = omega * omega / (omega * omega + 0.01);
+        assert!((leaking / exact - known).abs() < 1e-9, "{hz} Hz: {} {known}", leaking / exact);
+        assert!(hz < 0.05 || known > 0.9);
+    }
+}
+
+#[test]
+fn a_cabin_may_be_held_in_pitch_alone() {
+    let cabin = cases::vehicle("turkay-truck-cabin").unwrap();
+    let z = ["heave_acceleration", "pitch_acceleration", "roll_acceleration"];
+    let y = ["body_acceleration", "suspension_travel"];
+    let p = plant(&cabin, &cabin_road(), &z, &y, 0);
+    let rms = |c: &Certificate| -> Vec<f64> { c.channels.iter().map(|c| c.h2.unwrap()).collect() };
+    let passive = rms(&Certificate::passive(&p).unwrap());
+    let goal = plant(&cabin, &cabin_road(), &z[1..2], &y, 0).with_weights(&[1.0 / passive[1]]).unwrap();
+    let weights =
+        LqgWeights { sensor_noise: vec![1e-5; 8], input_weight: vec![1e-6; 4], ..LqgWeights::default() };
+    let found = rms(&Certificate::of(&p, &lqg(&goal, &weights).unwrap().controller).unwrap());
+    // front and rear push against each other: pitch is held, roll is left alone by symmetry
+    assert!(found[1] < 0.2 * passive[1], "{found:?} {passive:?}");
+    assert!((found[2] / passive[2] - 1.0).abs() < 1e-6, "{found:?} {passive:?}");
+}
