@@ -1,6 +1,6 @@
 //! `washboard design`, `ride --controller` and `respond` as a user meets them.
 
-#![allow(clippy::unwrap_used)]
+#![allow(clippy::unwrap_used, clippy::print_stderr, clippy::print_stdout)]
 
 use serde_json::Value;
 use std::fs;

@@ -41,7 +41,7 @@ pub fn read_controller(path: &Path) -> Result<(ControllerFile, Input), StudyErro
 pub(super) fn control(vehicle: &Vehicle, path: &Path) -> Result<(Control, Input), StudyError> {
     let (file, input) = read_controller(path)?;
     let name = input.path.clone();
-    let fail = |source| StudyError::Controller { name: name.clone(), source };
+    let fail = |source| StudyError::Controller { name: name.clone(), source: Box::new(source) };
     let k = file.state_space().map_err(|e| fail(e.into()))?;
     let control = Control::new(vehicle, k, &file.inputs, &file.outputs).map_err(fail)?;
     Ok((control, input))
@@ -53,7 +53,8 @@ pub(super) fn control(vehicle: &Vehicle, path: &Path) -> Result<(Control, Input)
 /// A step that makes no discrete controller.
 pub fn controller_files(outcome: &DesignOutcome) -> Result<Vec<(String, Vec<u8>)>, StudyError> {
     let Some(file) = &outcome.controller else { return Ok(Vec::new()) };
-    let fail = |e: LtiError| StudyError::Design { name: outcome.design.vehicle.clone(), source: e.into() };
+    let fail =
+        |e: LtiError| StudyError::Design { name: outcome.design.vehicle.clone(), source: Box::new(e.into()) };
     let k = file.state_space().map_err(fail)?;
     let mut json = serde_json::to_string_pretty(file).unwrap_or_default();
     json.push('\n');

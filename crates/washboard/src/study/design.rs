@@ -27,7 +27,8 @@ const WORSE_RMS: f64 = 0.1;
 pub fn design(spec: &DesignSpec) -> Result<(DesignOutcome, Vec<Input>), StudyError> {
     let norm = if spec.method == DesignMethod::Hinf { Norm::Hinf } else { Norm::H2 };
     let problem = Problem::new(spec, norm)?;
-    let fail = |source: SynthesisError| StudyError::Design { name: spec.vehicle.clone(), source };
+    let fail =
+        |source: SynthesisError| StudyError::Design { name: spec.vehicle.clone(), source: Box::new(source) };
     let mut outcome = DesignOutcome {
         status: DesignStatus::Designed,
         why: None,
@@ -200,7 +201,8 @@ fn with_noise(
     k: &StateSpace<Continuous>,
     measured: &Measured,
 ) -> Result<Named<Rms>, StudyError> {
-    let fail = |e: SynthesisError| StudyError::Design { name: problem.spec.vehicle.clone(), source: e };
+    let fail =
+        |e: SynthesisError| StudyError::Design { name: problem.spec.vehicle.clone(), source: Box::new(e) };
     let noise = vec![problem.spec.lqg.sensor_noise; problem.measurements.len()];
     let noisy = problem.plant.with_sensor_noise(&noise).map_err(|e| fail(e.into()))?;
     let closed = noisy.close(k).map_err(|e| fail(e.into()))?;

@@ -66,7 +66,7 @@ impl Problem {
             disturbance: spec.disturbance.into(),
             delay_order: spec.delay_order,
         };
-        let plant_error = |source| StudyError::Plant { name: spec.vehicle.clone(), source };
+        let plant_error = |source| StudyError::Plant { name: spec.vehicle.clone(), source: Box::new(source) };
         let measurements = outputs(&vehicle, &spec.measurements, "measurements")?;
         if measurements.is_empty() {
             return Err(StudyError::Setting {
@@ -116,7 +116,7 @@ impl Problem {
                 .collect();
             let passive = norm
                 .of(&reference, &members)
-                .map_err(|e| StudyError::Design { name: spec.vehicle.clone(), source: e.into() })?;
+                .map_err(|e| StudyError::Design { name: spec.vehicle.clone(), source: Box::new(e.into()) })?;
             if !(passive > 0.0) {
                 return Err(StudyError::Setting {
                     field: "goal.minimize",
@@ -146,7 +146,8 @@ impl Problem {
 
     /// Norms and rms of the passive vehicle, or of the loop with a controller.
     pub fn measure(&self, controller: Option<&StateSpace<Continuous>>) -> Result<Measured, StudyError> {
-        let design = |e: LtiError| StudyError::Design { name: self.spec.vehicle.clone(), source: e.into() };
+        let design =
+            |e: LtiError| StudyError::Design { name: self.spec.vehicle.clone(), source: Box::new(e.into()) };
         let closed = match controller {
             Some(k) => self.plant.close(k).map_err(design)?,
             None => self.plant.passive(),
@@ -222,7 +223,8 @@ impl Problem {
 
     /// Gains over frequency.
     pub fn gains(&self, controller: Option<&StateSpace<Continuous>>) -> Result<Gains, StudyError> {
-        let design = |e: LtiError| StudyError::Design { name: self.spec.vehicle.clone(), source: e.into() };
+        let design =
+            |e: LtiError| StudyError::Design { name: self.spec.vehicle.clone(), source: Box::new(e.into()) };
         let step = (GAINS_HZ[1] / GAINS_HZ[0]).ln() / (POINTS - 1) as f64;
         let freq_hz: Vec<f64> = (0..POINTS).map(|i| GAINS_HZ[0] * (step * i as f64).exp()).collect();
         let omegas: Vec<f64> = freq_hz.iter().map(|f| rad_per_s(*f)).collect();

@@ -48,7 +48,7 @@ pub enum StudyError {
         /// The vehicle's file or `case:NAME`.
         name: String,
         /// Why.
-        source: PlantError,
+        source: Box<PlantError>,
     },
     /// A design that cannot be computed.
     #[error("{name}: {source}")]
@@ -56,7 +56,7 @@ pub enum StudyError {
         /// The vehicle's file or `case:NAME`.
         name: String,
         /// Why.
-        source: SynthesisError,
+        source: Box<SynthesisError>,
     },
     /// A bump that has no response.
     #[error("{name}: {source}")]
@@ -64,7 +64,7 @@ pub enum StudyError {
         /// The vehicle's file or `case:NAME`.
         name: String,
         /// Why.
-        source: BumpError,
+        source: Box<BumpError>,
     },
     /// A controller that cannot be used.
     #[error("{name}: {source}")]
@@ -72,7 +72,7 @@ pub enum StudyError {
         /// Its file.
         name: String,
         /// Why.
-        source: ControlError,
+        source: Box<ControlError>,
     },
     /// A drive that cannot be simulated.
     #[error(transparent)]

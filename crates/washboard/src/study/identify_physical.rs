@@ -45,7 +45,7 @@ pub(super) fn run(
         Ok(fitted) => fitted,
         // too few sensors is an answer, not a mistake in a file
         Err(Refusal::OneChannel(channel)) => return Ok((one_channel(&tasks[0], &channel), Vec::new())),
-        Err(Refusal::Wrong(e)) => return Err(e),
+        Err(Refusal::Wrong(e)) => return Err(*e),
     };
     let first = &fitted.drives[0].task;
     let of_first = &fitted.found.drives[0];
@@ -67,12 +67,12 @@ pub(super) enum Refusal {
     /// One sensor cannot tell.
     OneChannel(String),
     /// Something is wrong with the input.
-    Wrong(StudyError),
+    Wrong(Box<StudyError>),
 }
 
 impl<E: Into<StudyError>> From<E> for Refusal {
     fn from(e: E) -> Self {
-        Refusal::Wrong(e.into())
+        Refusal::Wrong(Box::new(e.into()))
     }
 }
 
@@ -164,7 +164,7 @@ pub(super) fn fitted<'a>(
             let settings = PhysicalSettings::new(tasks[0].convention);
             let found = fit(&drives, &families, None, &settings).map_err(|e| match e {
                 FitError::OneChannel { channel } => Refusal::OneChannel(channel),
-                e => Refusal::Wrong(cannot_start(&e)),
+                e => Refusal::Wrong(Box::new(cannot_start(&e))),
             })?;
             (families, found, None)
         }

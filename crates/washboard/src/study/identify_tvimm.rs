@@ -87,7 +87,7 @@ fn one(
                 "one sensor (`{channel}`) cannot tell the vehicle from its road: free modes need body and wheel sensors"
             ));
         }
-        Err(Refusal::Wrong(e)) => return Err(e),
+        Err(Refusal::Wrong(e)) => return Err(*e),
     };
     let drive = &fitted.drives[0];
     let mut starts = starts(&fitted, file.is_some())?;

@@ -122,7 +122,7 @@ fn over_bump(
     length_m: f64,
     units: &mut Named<String>,
 ) -> Result<BumpOutcome, StudyError> {
-    let fail = |source| StudyError::Bump { name: spec.vehicle.clone(), source };
+    let fail = |source| StudyError::Bump { name: spec.vehicle.clone(), source: Box::new(source) };
     let bump = Bump::new(height_m, length_m).map_err(fail)?;
     let x = vehicle.wheels().iter().map(|w| w.at_m[0]);
     let extent = x.clone().fold(f64::NEG_INFINITY, f64::max) - x.fold(f64::INFINITY, f64::min);

@@ -105,7 +105,8 @@ impl Vehicle {
             _ => false,
         };
         let outputs: Vec<&Output> = performances.iter().chain(measurements).copied().collect();
-        let bare = if by_velocity { self.from_velocity(&outputs)? } else { self.from_height(&outputs)? };
+        let bare =
+            if by_velocity { self.driven_by_velocity(&outputs)? } else { self.driven_by_height(&outputs)? };
         let (tracks, names) = self.tracks(settings)?;
         let road = match filter {
             Some(f) => {
@@ -184,7 +185,7 @@ impl Vehicle {
     }
 
     /// From [ṙ; u] to outputs.
-    fn from_velocity(&self, outputs: &[&Output]) -> Result<StateSpace<Continuous>, PlantError> {
+    fn driven_by_velocity(&self, outputs: &[&Output]) -> Result<StateSpace<Continuous>, PlantError> {
         let (n, w, m) = (self.system().order(), self.wheels().len(), self.actuators().len());
         let over_m = |x: &Mat| solve(self.system().m(), x);
         let (mk, mc) = (over_m(self.system().k())?, over_m(self.system().c())?);
@@ -254,7 +255,7 @@ impl Vehicle {
     }
 
     /// From [r; u] to outputs.
-    fn from_height(&self, outputs: &[&Output]) -> Result<StateSpace<Continuous>, PlantError> {
+    fn driven_by_height(&self, outputs: &[&Output]) -> Result<StateSpace<Continuous>, PlantError> {
         let (n, w, m) = (self.system().order(), self.wheels().len(), self.actuators().len());
         let over_m = |x: &Mat| solve(self.system().m(), x);
         let (mk, mc) = (over_m(self.system().k())?, over_m(self.system().c())?);

@@ -1,6 +1,6 @@
 //! Designs: against published numbers, against second routes, and with plants that break an assumption.
 
-#![allow(clippy::unwrap_used)]
+#![allow(clippy::unwrap_used, clippy::print_stderr, clippy::print_stdout)]
 
 mod other_vehicles;
 mod plants;

@@ -45,10 +45,16 @@ pub enum RideError {
     },
     /// A controller that can't be used on this road.
     #[error(transparent)]
-    Control(#[from] ControlError),
+    Control(Box<ControlError>),
     /// Linear algebra refused.
     #[error(transparent)]
     Linalg(#[from] LinalgError),
+}
+
+impl From<ControlError> for RideError {
+    fn from(e: ControlError) -> Self {
+        RideError::Control(Box::new(e))
+    }
 }
 
 /// The variance of an output.

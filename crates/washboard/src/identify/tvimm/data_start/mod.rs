@@ -146,12 +146,16 @@ fn responses(
         .collect()
 }
 
+/// A plane's height at a wheel's place, and at a sensor by what it shows of 1, y and x.
+type AtWheel<'a> = &'a dyn Fn([f64; 2]) -> f64;
+type AtSensor<'a> = &'a dyn Fn([f64; 3]) -> f64;
+
 /// The planes of the road that input k has a share of, and what the sensors show of them.
 fn statics(tracks: &Tracks, drive: &FreeDrive<'_>, k: usize) -> Vec<Static> {
     let mean = |axis: usize| drive.at_m.iter().map(|p| p[axis]).sum::<f64>() / drive.at_m.len() as f64;
     let [x, y] = [mean(0), mean(1)];
     // height of a plane at a place, and at a sensor
-    let planes: [(&dyn Fn([f64; 2]) -> f64, &dyn Fn([f64; 3]) -> f64); 3] = [
+    let planes: [(AtWheel<'_>, AtSensor<'_>); 3] = [
         (&|_| 1.0, &|p| p[0]),
         (&|at| at[1] - y, &|p| p[1] - y * p[0]),
         (&|at| at[0] - x, &|p| p[2] - x * p[0]),
