@@ -85,6 +85,14 @@ fn a_design_is_made_ridden_on_and_shown_again() {
     let page = fs::read(folder.0.join("made/report.html")).unwrap();
     assert_eq!(folder.run("report made").0, 0);
     assert_eq!(fs::read(folder.0.join("made/report.html")).unwrap(), page);
+    // again over its own files
+    assert_eq!(folder.run("design design.toml -o made --overwrite").0, 0);
+    let edited = String::from_utf8(fs::read(folder.0.join("made/result.json")).unwrap()).unwrap();
+    let edited = edited.replacen("\"order\": 4", "\"order\": 5", 1);
+    fs::create_dir(folder.0.join("edited")).unwrap();
+    fs::write(folder.0.join("edited/result.json"), edited).unwrap();
+    let (status, _, err) = folder.run("report edited");
+    assert!(status == 2 && err.contains("order: expected 4"), "{err}");
     let (status, out, _) = folder.run("respond car.toml --speed-m-s 12.5 --bump 0.1,2 --controller made");
     assert!(status == 0 && out.contains("less than passive"), "{out}");
 }
@@ -130,6 +138,36 @@ fn the_limit_and_an_h_infinity_design_have_their_own_answers() {
 }
 
 #[test]
+fn what_a_design_costs_is_said() {
+    let folder = Folder::new("warned");
+    let warned = |text: &str, name: &str| {
+        let (status, made, err) = folder.design(text);
+        assert_eq!(status, 0, "{err}");
+        made["warnings"].as_array().unwrap().iter().any(|w| w["name"] == name)
+    };
+    // the filter believes in a road seven thousand times as strong as this one
+    let undamped = DESIGN.replace("= 98.0", "= 0.0");
+    assert!(warned(&undamped, "noise"));
+    let honest = format!("{undamped}[lqg]\nprocess_noise = 1.480625e-4\nsensor_noise = 1e-8\n");
+    assert!(!warned(&honest, "noise"));
+    assert!(warned(&format!("{undamped}[discretize]\ndt_s = 1.0\n"), "sampled-loop"));
+    assert!(!warned(&format!("{DESIGN}[discretize]\ndt_s = 0.001\n"), "sampled-loop"));
+    // a loop that is not stable has no gains to show
+    let push = r#"{"a": [], "b": [], "c": [[]], "d": [[1e6]], "inputs": ["suspension_travel"], "outputs": ["actuator"]}"#;
+    fs::write(folder.0.join("push.json"), push).unwrap();
+    for what in ["--direction heave", "--bump 0.1,2"] {
+        let (status, out, err) = folder
+            .run(&format!("respond case:turkay-quarter-car --speed-m-s 20 {what} --controller push.json"));
+        assert!(
+            status == 2 && out.is_empty() && (err.contains("not stable") || err.contains("without end")),
+            "{err}"
+        );
+    }
+    let (status, _, err) = folder.run("respond case:turkay-quarter-car --speed-m-s 20 --bump 0.1,1e-5");
+    assert!(status == 2 && err.contains("bump length"), "{err}");
+}
+
+#[test]
 fn wrong_designs_are_answered_by_field() {
     let folder = Folder::new("wrong");
     for (from, to, words) in [
@@ -143,6 +181,13 @@ fn wrong_designs_are_answered_by_field() {
         ("tire_damping_n_s_per_m", "tyre_damping_n_s_per_m", "no parameter `tyre_damping_n_s_per_m`"),
         ("speed_m_s = 20.0", "speed_m_s = 0.0", "speed_m_s: expected a positive number"),
         ("case:turkay-white-velocity", "case:iso8608-c", "bogsjo"),
+        (
+            "[goal]",
+            "[lqg]\nsensor_noise = -1.0\n[goal]",
+            "design.toml: lqg.sensor_noise: expected 0, or a number",
+        ),
+        ("[goal]", "[discretize]\ndt_s = 1e300\n[goal]", "discretize.dt_s: expected 1e-9 to 100 s"),
+        ("measurements", "delay_order = 121\nmeasurements", "delay_order: expected an order up to 40"),
         ("[goal]", "[gaol]", "unknown field `gaol`"),
         ("sprung_acceleration = 1.0", "sprung_displacement = 1.0", "sprung_displacement"),
     ] {

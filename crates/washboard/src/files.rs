@@ -213,7 +213,15 @@ pub fn write_directory(dir: &Path, files: &[(&str, Vec<u8>)], overwrite: bool) -
 }
 
 /// What a result's directory may hold. Overwriting takes the directory away as a whole: nobody's data may be in it.
-const RESULT_FILES: [&str; 4] = ["result.json", "report.html", "vehicle.toml", "road.toml"];
+const RESULT_FILES: [&str; 7] = [
+    "result.json",
+    "report.html",
+    "vehicle.toml",
+    "road.toml",
+    "controller.json",
+    "controller.mat",
+    "controller.h",
+];
 
 /// The first entry of a directory that is not a result's.
 fn stranger(dir: &Path) -> Option<String> {

@@ -6,10 +6,11 @@ use clap::Args;
 use std::fmt::Write;
 use std::path::PathBuf;
 use std::process::ExitCode;
-use washboard::files::{check_target_directory, write_directory};
+use washboard::files::{FileError, check_target_directory, write_directory};
 use washboard::report::design_page;
 use washboard::study::{
-    DesignOutcome, DesignSpec, DesignStatus, Envelope, Input, Measured, Rms, controller_files, design,
+    DesignOutcome, DesignSpec, DesignStatus, Envelope, Input, Measured, Rms, StudyError, controller_files,
+    design,
 };
 
 /// Design a controller, and certify it.
@@ -35,7 +36,11 @@ pub fn run(a: Arguments, output: Output) -> Result<ExitCode, Failure> {
     let progress = output.progress("designing");
     let result = design(&spec);
     drop(progress);
-    let (outcome, inputs) = result?;
+    // whatever is wrong stands in the design, or in a file that it names
+    let (outcome, inputs) = result.map_err(|e: StudyError| match e {
+        e if e.is_wrong_input() => FileError::content(&a.design, None, e.to_string()).into(),
+        e => e,
+    })?;
     let own = Input::of_file(&a.design)?;
     let envelope = Envelope::new("design", std::iter::once(own).chain(inputs).collect(), outcome);
     if let Some(dir) = &a.output {

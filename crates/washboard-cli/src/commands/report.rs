@@ -9,7 +9,7 @@ use std::process::ExitCode;
 use washboard::files::write_whole;
 use washboard::report::{compare_page, design_page, identify_page};
 use washboard::study::{
-    CompareOutcome, DesignOutcome, Envelope, is_result_of, read_identification, read_result,
+    CompareOutcome, Envelope, is_result_of, read_design, read_identification, read_result,
 };
 
 /// Write report.html again from result.json.
@@ -32,7 +32,7 @@ pub fn run(arguments: Arguments, output: Output) -> Result<ExitCode, Failure> {
         let result = read_result::<CompareOutcome>(&file)?;
         (result.inputs, compare_page(&result.outcome, &compare::title(&result.outcome)))
     } else if is_result_of(&arguments.directory, "design") {
-        let result = read_result::<DesignOutcome>(&file)?;
+        let (_, result) = read_design(&file)?;
         let title = result.inputs.first().map(|i| i.path.clone()).unwrap_or_default();
         let title =
             PathBuf::from(title).file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();

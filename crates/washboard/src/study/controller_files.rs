@@ -21,6 +21,20 @@ pub fn read_controller(path: &Path) -> Result<(ControllerFile, Input), StudyErro
     let value: Value =
         serde_json::from_str(&text).map_err(|e| FileError::content(&file, Some(e.line()), e.to_string()))?;
     let own = if value.get("schema_version").is_some() {
+        let text_of = |key: &str| value.get(key).and_then(Value::as_str).unwrap_or("none").to_owned();
+        if value["schema_version"] != super::SCHEMA_VERSION || text_of("command") != "design" {
+            let found = format!("schema {} of `{}`", value["schema_version"], text_of("command"));
+            return Err(wrong(format!(
+                "expected a result of `design`, schema {}, found {found}",
+                super::SCHEMA_VERSION
+            )));
+        }
+        if text_of("status") != "designed" {
+            return Err(wrong(format!(
+                "controller: expected one, found a result with status {}",
+                text_of("status")
+            )));
+        }
         match value.get("controller") {
             Some(controller) if !controller.is_null() => controller.clone(),
             _ => {

@@ -5,7 +5,8 @@ use super::design_problem::{Norm, Problem};
 use super::{DesignMethod, DesignSpec, Flag, Input, Named, Rms, StudyError};
 use crate::lti::{Continuous, GeneralizedPlant, StateSpace};
 use crate::synthesis::{
-    HinfSettings, LqgWeights, SynthesisError, full_information, h2_limit, hinf, lqg, lqg_plant,
+    Assumption, HinfSettings, LqgWeights, SynthesisError, broken_assumptions, full_information, h2_limit,
+    hinf, lqg, lqg_plant,
 };
 
 /// A claimed H2 norm and the recomputed one agree to this: two Riccati equations and a Lyapunov equation of stiff systems.
@@ -25,6 +26,7 @@ const WORSE_RMS: f64 = 0.1;
 /// A vehicle, road or goal that is wrong. A plant that breaks an assumption of the method, or a loop that contradicts
 /// its controller, is an outcome with `status` and `why`.
 pub fn design(spec: &DesignSpec) -> Result<(DesignOutcome, Vec<Input>), StudyError> {
+    spec.check()?;
     let norm = if spec.method == DesignMethod::Hinf { Norm::Hinf } else { Norm::H2 };
     let problem = Problem::new(spec, norm)?;
     let fail =
@@ -56,10 +58,12 @@ pub fn design(spec: &DesignSpec) -> Result<(DesignOutcome, Vec<Input>), StudyErr
         Err(e) => {
             outcome.status = match &e {
                 SynthesisError::Refused { .. } => DesignStatus::Refused,
+                // no control at all is a controller of a stable plant: what fails there is the method
+                SynthesisError::NoLevel { .. } if outcome.passive.stable => DesignStatus::Stalled,
                 SynthesisError::Assumptions(_) | SynthesisError::NoLevel { .. } => DesignStatus::Infeasible,
                 _ => DesignStatus::Stalled,
             };
-            outcome.why = Some(e.to_string());
+            outcome.why = Some(advice(&e));
             outcome.gains = problem.gains(None)?;
             return Ok((outcome, problem.inputs));
         }
@@ -69,6 +73,24 @@ pub fn design(spec: &DesignSpec) -> Result<(DesignOutcome, Vec<Input>), StudyErr
     }
     outcome.gains = problem.gains(controller.as_ref())?;
     Ok((outcome, problem.inputs))
+}
+
+/// Why, and what may help.
+fn advice(e: &SynthesisError) -> String {
+    use crate::linalg::RiccatiError;
+    match e {
+        SynthesisError::Riccati { equation: "filter", source: RiccatiError::OnTheBoundary { .. } } => {
+            format!(
+                "{e}: the measurements hardly see the road there; raise lqg.sensor_noise, or measure something that the road moves at that frequency"
+            )
+        }
+        SynthesisError::NoLevel { .. } => {
+            format!(
+                "{e}; raise lqg.sensor_noise, or weight the controls (input_weight): as it stands the equations are too ill-conditioned to be solved"
+            )
+        }
+        _ => e.to_string(),
+    }
 }
 
 /// Measures the loop, warns of what became worse.
@@ -81,18 +103,80 @@ fn finish(
     let mut measured = problem.measure(Some(k))?;
     if problem.spec.method == DesignMethod::Lqg {
         measured.rms_with_noise = with_noise(problem, k, &measured)?;
+        let louder: Vec<String> = problem
+            .goals
+            .iter()
+            .filter_map(|g| {
+                let noisy = measured.rms_with_noise.get(&g.name)?.finite()?;
+                let passive = outcome.passive.rms.get(&g.name)?.finite()?;
+                (noisy > passive).then(|| format!("{} {:+.0} %", g.name, 100.0 * (noisy / passive - 1.0)))
+            })
+            .collect();
+        if !louder.is_empty() {
+            let text = format!(
+                "with the sensor noise stated, outputs are worse than passive: {}. The filter trusts the sensors as lqg.process_noise \
+                 (road) over lqg.sensor_noise says: give both as they are, or take rms as the road's part alone",
+                louder.join(", ")
+            );
+            outcome.warnings.push(Flag { name: "noise".into(), text });
+        }
     }
     outcome.objective.insert("verified", objective(problem, norm, &measured));
     outcome.warnings.extend(warnings(problem, &outcome.passive, &measured));
+    let (before, after) = (outcome.objective.get("passive"), outcome.objective.get("verified"));
+    if let (Some(before), Some(after)) = (before, after)
+        && after > before
+    {
+        let text = format!(
+            "the goal itself is worse than passive ({after:.4} against {before:.4}): noise and weighted controls outweigh it"
+        );
+        outcome.warnings.push(Flag { name: "worse-goal".into(), text });
+    }
     for (name, rms) in measured.rms.iter().filter(|(name, _)| name.starts_with("actuator_force")) {
         outcome.forces.insert(name, *rms);
     }
     let y = problem.measurements.iter().map(|o| o.name.clone()).collect();
     let u = problem.vehicle.actuators().iter().map(|a| a.name.clone()).collect();
+    if let Some(discretize) = problem.spec.discretize {
+        outcome.warnings.extend(sampled_loop(problem, k, discretize)?);
+    }
     outcome.order = Some(k.order());
     outcome.controller = Some(ControllerFile::new(k, y, u));
     outcome.verified = Some(measured);
     Ok(())
+}
+
+/// A warning where the discrete controller, on the vehicle sampled at its step, is not stable.
+fn sampled_loop(
+    problem: &Problem,
+    k: &StateSpace<Continuous>,
+    discretize: super::Discretize,
+) -> Result<Option<Flag>, StudyError> {
+    let fail =
+        |e: SynthesisError| StudyError::Design { name: problem.spec.vehicle.clone(), source: Box::new(e) };
+    let y: Vec<&crate::vehicle::Output> = problem.measurements.iter().collect();
+    let all: Vec<usize> = (0..problem.vehicle.actuators().len()).collect();
+    let vehicle = problem.vehicle.actuated(&y, &all).map_err(|source| StudyError::Controller {
+        name: problem.spec.vehicle.clone(),
+        source: Box::new(source),
+    })?;
+    let discrete = match discretize.rule {
+        super::DiscretizeRule::Tustin => k.tustin(discretize.dt_s),
+        super::DiscretizeRule::ZeroOrderHold => k.sampled(discretize.dt_s),
+    };
+    let closed = discrete
+        .and_then(|d| vehicle.sampled(discretize.dt_s)?.feedback(&d))
+        .and_then(|closed| closed.least_stable_pole())
+        .map_err(|e| fail(e.into()))?;
+    let (pole, margin) = closed.unwrap_or_default();
+    Ok((!(margin > 0.0)).then(|| Flag {
+        name: "sampled-loop".into(),
+        text: format!(
+            "at a step of {} s the loop of controller.h and the vehicle is not stable: a pole of size {:.4}; take a shorter step",
+            discretize.dt_s,
+            pole.norm()
+        ),
+    }))
 }
 
 type Found = Result<Option<StateSpace<Continuous>>, SynthesisError>;
@@ -119,8 +203,11 @@ fn by_lqg(problem: &Problem, goal: &GeneralizedPlant, outcome: &mut DesignOutcom
     for (name, solution) in [("control", &found.regulator.solution), ("filter", &found.filter.solution)] {
         outcome.claimed.insert(format!("{name}_riccati_residual"), solution.scaled_residual);
     }
-    if let Ok((limit, _)) = full_information(goal) {
+    let quiet =
+        LqgWeights { sensor_noise: vec![0.0; problem.measurements.len()], process_noise: 1.0, ..weights };
+    if let Ok((limit, _)) = lqg_plant(goal, &quiet).and_then(|p| full_information(&p)) {
         outcome.claimed.insert("h2_limit", limit);
+        outcome.objective.insert("limit", limit * limit);
     }
     Ok(Some(found.controller))
 }
@@ -152,7 +239,16 @@ fn by_limit(
     outcome.status = DesignStatus::Limit;
     let quiet = LqgWeights { sensor_noise: vec![0.0; problem.measurements.len()], ..weights(problem) };
     let whole = lqg_plant(goal, &LqgWeights { process_noise: 1.0, ..quiet })?;
-    let (riccati, _) = full_information(&whole)?;
+    let (riccati, _) = full_information(&whole).or_else(|e| {
+        let mut broken = broken_assumptions(&whole)?;
+        broken.retain(|b| {
+            matches!(
+                b.assumption,
+                Assumption::Stabilisable | Assumption::ControlsWeighted | Assumption::NoControlZeroOnAxis
+            )
+        });
+        Err(if broken.is_empty() { e } else { SynthesisError::Assumptions(broken) })
+    })?;
     outcome.claimed.insert("h2_limit", riccati);
     outcome.objective.insert("limit", riccati * riccati);
     match h2_limit(&whole) {
@@ -190,7 +286,11 @@ fn objective(problem: &Problem, norm: Norm, measured: &Measured) -> f64 {
         g.weight * value.unwrap_or(f64::INFINITY) / g.passive
     });
     match norm {
-        Norm::H2 => terms.map(|t| t * t).sum(),
+        // the weighted force belongs to the cost
+        Norm::H2 => {
+            let force = measured.h2.get("actuator_force").and_then(|r| r.finite()).unwrap_or(0.0);
+            terms.map(|t| t * t).sum::<f64>() + problem.spec.input_weight * force * force
+        }
         Norm::Hinf => terms.fold(0.0, f64::max),
     }
 }
@@ -229,6 +329,7 @@ fn warnings(problem: &Problem, passive: &Measured, closed: &Measured) -> Vec<Fla
     for name in singles {
         if let (Some(before), Some(after)) = (passive.hinf.get(name), closed.hinf.get(name))
             && *after > WORSE_PEAK * before
+            && *before > problem.floor(name)
         {
             let at = closed.hinf_at_rad_s.get(name).copied().flatten();
             let place = at.map_or_else(

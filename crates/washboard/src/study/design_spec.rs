@@ -49,6 +49,9 @@ fn delay_order() -> usize {
     crate::vehicle::DELAY_ORDER
 }
 
+/// Delays of higher order make plants whose Riccati equations take minutes.
+const MOST_DELAY_ORDER: usize = 40;
+
 /// How a controller is found.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
@@ -181,6 +184,38 @@ impl DesignSpec {
             }
         }
         Ok(spec)
+    }
+
+    /// Refuses numbers that no design can have.
+    ///
+    /// # Errors
+    /// [`StudyError::Setting`] with the field.
+    pub fn check(&self) -> Result<(), StudyError> {
+        let noise = self.lqg.sensor_noise;
+        let usual = |v: f64| v == 0.0 || (1e-60..=1e60).contains(&v);
+        for (field, found) in [
+            ("lqg.sensor_noise", noise),
+            ("lqg.process_noise", self.lqg.process_noise),
+            ("input_weight", self.input_weight),
+        ] {
+            if !usual(found) {
+                let expected = "0, or a number from 1e-60 to 1e60".to_owned();
+                return Err(StudyError::Setting { field, expected, found: format!("{found:e}") });
+            }
+        }
+        if !(0.01..=500.0).contains(&self.speed_m_s) {
+            let (field, expected) = ("speed_m_s", "a positive number, 0.01 to 500 m/s".to_owned());
+            return Err(StudyError::Setting { field, expected, found: self.speed_m_s.to_string() });
+        }
+        if self.delay_order > MOST_DELAY_ORDER {
+            let (field, expected) = ("delay_order", format!("an order up to {MOST_DELAY_ORDER}"));
+            return Err(StudyError::Setting { field, expected, found: self.delay_order.to_string() });
+        }
+        if let Some(d) = self.discretize.filter(|d| !(1e-9..=100.0).contains(&d.dt_s)) {
+            let (field, expected) = ("discretize.dt_s", "1e-9 to 100 s".to_owned());
+            return Err(StudyError::Setting { field, expected, found: format!("{:e}", d.dt_s) });
+        }
+        Ok(())
     }
 
     /// The outputs that are to be small, in the method's norm.

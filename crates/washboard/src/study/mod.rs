@@ -2,6 +2,7 @@
 //!
 //! A command line, a Python module and a web page all fill in a [`Spec`] and show an outcome; none of them computes.
 
+mod checked_design;
 mod checked_result;
 mod compare;
 mod compare_modes;
@@ -38,6 +39,7 @@ mod spectra_plot;
 mod speed_parts;
 
 pub use crate::vehicle::Stretch;
+pub use checked_design::read_design;
 pub use checked_result::read_identification;
 pub use compare::{compare, compare_outcomes};
 pub use compare_outcome::*;

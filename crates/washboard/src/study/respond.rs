@@ -3,7 +3,7 @@
 use super::{Input, Named, RespondSpec, StudyError, load_vehicle};
 use crate::linalg::C64;
 use crate::units::rad_per_s;
-use crate::vehicle::{Bump, Control, Output, Vehicle};
+use crate::vehicle::{Bump, Control, Output, RideError, Vehicle};
 use serde::{Deserialize, Serialize};
 
 /// Seconds after the last wheel has left the bump.
@@ -86,6 +86,10 @@ pub struct GainsOutcome {
 pub fn respond(spec: &RespondSpec) -> Result<(RespondOutcome, Vec<Input>), StudyError> {
     let loaded = load_vehicle(&spec.vehicle)?;
     super::ride::check_speed(spec.speed_m_s)?;
+    if !(0.01..=500.0).contains(&spec.speed_m_s) {
+        let (field, expected) = ("speed_m_s", "0.01 to 500 m/s".to_owned());
+        return Err(StudyError::Setting { field, expected, found: spec.speed_m_s.to_string() });
+    }
     let vehicle = &loaded.vehicle;
     let control = match &spec.controller {
         Some(path) => Some(super::controller_files::control(vehicle, path)?),
@@ -164,6 +168,12 @@ fn gains(
     units: &mut Named<String>,
 ) -> Result<GainsOutcome, StudyError> {
     let pattern = pattern(vehicle, direction)?;
+    if let Some(p) = control.and_then(|c| c.poles().iter().find(|p| p.re >= 0.0)) {
+        return Err(StudyError::Ride {
+            name: spec.controller.as_ref().map_or_else(String::new, |c| c.display().to_string()),
+            source: RideError::LoopNotDamped { re: p.re, im: p.im },
+        });
+    }
     let outputs: Vec<&Output> = vehicle.outputs().iter().collect();
     let step = (BAND_HZ[1] / BAND_HZ[0]).ln() / (POINTS - 1) as f64;
     let freq_hz: Vec<f64> = (0..POINTS).map(|i| BAND_HZ[0] * (step * i as f64).exp()).collect();

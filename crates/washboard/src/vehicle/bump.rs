@@ -49,6 +49,16 @@ pub enum BumpError {
     /// The controller does not fit.
     #[error(transparent)]
     Control(#[from] ControlError),
+    /// A bump so short that its response needs more samples than are computed.
+    #[error(
+        "bump length, m: expected at least {least_m:.2e} at this speed and for this vehicle's fastest mode, found {length_m:e}"
+    )]
+    TooShort {
+        /// Its length, m.
+        length_m: f64,
+        /// The least, m.
+        least_m: f64,
+    },
     /// The loop is not stable.
     #[error("the response grows without end: a pole is at {re:e} {im:+e}i 1/s")]
     NotStable {
@@ -65,8 +75,8 @@ impl Bump {
     /// # Errors
     /// A height that is not finite or zero, a length that is not positive.
     pub fn new(height_m: f64, length_m: f64) -> Result<Self, BumpError> {
-        if !(height_m.is_finite() && height_m != 0.0) {
-            let (field, expected) = ("bump height, m", "a finite number, not 0");
+        if !(height_m.abs() <= 100.0 && height_m != 0.0) {
+            let (field, expected) = ("bump height, m", "a number up to 100, not 0");
             return Err(BumpError::Field { field, expected, found: height_m });
         }
         if !(length_m.is_finite() && length_m > 0.0) {
@@ -130,7 +140,13 @@ impl Vehicle {
         }
         let fastest = poles.iter().map(|p| p.norm()).fold(1.0, f64::max);
         let wanted = (bump.length_m / speed_m_s).min(TAU / fastest) / STEPS;
-        let dt_s = wanted.max(duration_s / MOST_SAMPLES as f64);
+        let dt_s = wanted;
+        if duration_s / dt_s > MOST_SAMPLES as f64 {
+            return Err(BumpError::TooShort {
+                length_m: bump.length_m,
+                least_m: duration_s / MOST_SAMPLES as f64 * STEPS * speed_m_s,
+            });
+        }
         let samples = (duration_s / dt_s).ceil() as usize + 1;
         let ahead = self.wheels().iter().map(|w| w.at_m[0]).fold(f64::NEG_INFINITY, f64::max);
         let touched: Vec<f64> = self.wheels().iter().map(|w| (ahead - w.at_m[0]) / speed_m_s).collect();
@@ -172,12 +188,10 @@ impl Control {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::cases;
-    use crate::vehicle::VehicleSpec;
+    use crate::vehicle::test_cases as cases;
 
     fn quarter(ct: f64) -> Vehicle {
-        let toml = cases::find("turkay-quarter-car", cases::CaseKind::Vehicle).unwrap().toml;
-        let spec: VehicleSpec = toml::from_str(&toml).unwrap();
+        let spec = cases::spec("turkay-quarter-car");
         spec.with_overrides(&[("tire_damping_n_s_per_m".into(), ct)]).unwrap().build_alone().unwrap()
     }
 

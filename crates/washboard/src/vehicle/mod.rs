@@ -22,6 +22,8 @@ mod ride;
 mod sensors;
 mod simulate;
 mod spec;
+#[cfg(test)]
+mod test_cases;
 mod truck_cabin;
 mod values;
 

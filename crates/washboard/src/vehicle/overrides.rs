@@ -37,13 +37,11 @@ impl VehicleSpec {
 
 #[cfg(test)]
 mod tests {
-    use crate::cases::{CaseKind, find};
-    use crate::vehicle::VehicleSpec;
+    use crate::vehicle::test_cases;
 
     #[test]
     fn a_bare_name_means_every_axle_and_a_dotted_one_its_own() {
-        let toml = find("chalasani-full-car", CaseKind::Vehicle).unwrap().toml;
-        let spec: VehicleSpec = toml::from_str(&toml).unwrap();
+        let spec = test_cases::spec("chalasani-full-car");
         let damping = |o: &[(&str, f64)]| {
             let o: Vec<(String, f64)> = o.iter().map(|(n, v)| ((*n).to_owned(), *v)).collect();
             let car = spec.with_overrides(&o)?.build_alone()?;

@@ -328,10 +328,10 @@ fn row_basis(m: &Mat) -> Result<Mat, LinalgError> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::cases;
     use crate::linalg::{C64, CMat};
     use crate::road::Coherence;
     use crate::vehicle::Ride;
+    use crate::vehicle::test_cases as cases;
 
     fn names<'a>(car: &'a Vehicle, names: &[&str]) -> Vec<&'a Output> {
         names.iter().map(|n| car.output(n).unwrap()).collect()

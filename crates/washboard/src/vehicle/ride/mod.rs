@@ -31,6 +31,14 @@ pub enum RideError {
         /// Imaginary part of the pole.
         im: f64,
     },
+    /// The loop of vehicle and controller is not stable.
+    #[error("the loop with this controller is not stable: its pole {re:e} {im:+e}i (1/s) is not damped")]
+    LoopNotDamped {
+        /// Real part of the pole.
+        re: f64,
+        /// Imaginary part of the pole.
+        im: f64,
+    },
     /// The quadrature did not reach its accuracy.
     #[error(
         "the quadrature of {output} reached a relative error of {reached:e} only (expected {expected:e})"
@@ -145,6 +153,7 @@ impl<'a> Ride<'a> {
         let largest = poles.iter().map(|p| p.norm()).fold(0.0, f64::max);
         // an undamped pair is computed with a real part of the order of ε |λ|max
         match poles.iter().find(|p| p.re >= -1e-13 * largest) {
+            Some(p) if self.control.is_some() => Err(RideError::LoopNotDamped { re: p.re, im: p.im }),
             Some(p) => Err(RideError::NotDamped { re: p.re, im: p.im }),
             None => Ok(()),
         }
