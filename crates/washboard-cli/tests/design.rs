@@ -153,7 +153,7 @@ fn what_a_design_costs_is_said() {
     assert!(warned(&format!("{undamped}[discretize]\ndt_s = 1.0\n"), "sampled-loop"));
     assert!(!warned(&format!("{DESIGN}[discretize]\ndt_s = 0.001\n"), "sampled-loop"));
     // a loop that is not stable has no gains to show
-    let push = r#"{"a": [], "b": [], "c": [[]], "d": [[1e6]], "inputs": ["suspension_travel"], "outputs": ["actuator"]}"#;
+    let push = r#"{"a": [], "b": [], "c": [[]], "d": [[-1e6]], "inputs": ["suspension_travel"], "outputs": ["actuator"]}"#;
     fs::write(folder.0.join("push.json"), push).unwrap();
     for what in ["--direction heave", "--bump 0.1,2"] {
         let (status, out, err) = folder
