@@ -4,7 +4,7 @@ mod convert;
 mod hurwitz;
 pub(crate) mod number;
 mod polynomial;
-mod series;
+pub(crate) mod series;
 
 pub use number::{Rational, RationalError, decimal, exact_bits, to_f64};
 pub use polynomial::Polynomial;
