@@ -2,6 +2,7 @@
 
 mod convert;
 mod hurwitz;
+mod norm;
 pub(crate) mod number;
 mod polynomial;
 pub(crate) mod series;

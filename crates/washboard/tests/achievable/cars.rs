@@ -23,7 +23,8 @@ pub fn q(n: i64, d: i64) -> Rational {
 /// A random element of RH∞ of degree 3 with poles between 1 and 60 rad/s.
 pub fn stable(rng: &mut impl Rng) -> RationalFunction {
     let mut whole = |low: i64, high: i64| rng.random_range(low..=high);
-    let d = &Polynomial::integers(&[whole(1, 60), 1]) * &Polynomial::integers(&[whole(1, 900), whole(1, 60), 1]);
+    let d =
+        &Polynomial::integers(&[whole(1, 60), 1]) * &Polynomial::integers(&[whole(1, 900), whole(1, 60), 1]);
     let n = Polynomial::integers(&[whole(-9000, 9000), whole(-900, 900), whole(-90, 90), whole(1, 9)]);
     RationalFunction::new(n, d).unwrap()
 }

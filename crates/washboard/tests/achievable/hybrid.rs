@@ -40,9 +40,12 @@ fn the_printed_design_with_what_it_hides() {
     assert!((close.tire_factor_at_wheel_hop - 20.0).abs() < 0.1, "{}", close.tire_factor_at_wheel_hop);
     assert!(close.match_error < 1e-9 && close.rms.hybrid[2] > close.rms.passive[2]);
     let all = found.warnings.join("\n");
-    assert!(all.contains("hides a mode at 10.61 Hz with 2.042 % damping: acceleration shows nothing of it"), "{all}");
+    assert!(all.contains("hides a mode at 10.61 Hz with 2.042 % damping: not in acceleration"), "{all}");
     assert!(all.contains("rms tire deflection: 0.003793 against 0.001651 of the passive car"), "{all}");
-    println!("{all}\n{:?}\nfactor {} and {}", found.rms, found.tire_factor_at_wheel_hop, close.tire_factor_at_wheel_hop);
+    println!(
+        "{all}\n{:?}\nfactor {} and {}",
+        found.rms, found.tire_factor_at_wheel_hop, close.tire_factor_at_wheel_hop
+    );
 }
 
 #[test]
@@ -63,17 +66,23 @@ fn the_proof_is_4_53() {
 #[test]
 fn a_psi_that_can_not_be_is_answered_with_its_constraint() {
     let wrong = Psi::GivenWithSigma { a: 500.0, b: 10.0, sigma: 0.1 };
-    let Err(NotAchievable::Violated(broken)) = hybrid(&car(98.0), &settings(wrong)).unwrap() else { panic!() };
+    let Err(NotAchievable::Violated(broken)) = hybrid(&car(98.0), &settings(wrong)).unwrap() else {
+        panic!()
+    };
     assert!(matches!(&broken[..], [v] if matches!(v.constraint, Constraint::AtInfinity { power: 0, .. })));
     assert!(hybrid(&car(98.0), &settings(Psi::Given { a: -1.0, b: 10.0 })).is_err());
-    assert!(hybrid(&car(98.0), &HybridSettings { fictitious_tire_damping: 0.0, ..settings(Psi::PRINTED) }).is_err());
+    assert!(
+        hybrid(&car(98.0), &HybridSettings { fictitious_tire_damping: 0.0, ..settings(Psi::PRINTED) })
+            .is_err()
+    );
 }
 
 #[test]
 fn over_tire_damping_the_controllers_hardly_change() {
     // figure 4.12: 101 dampings of which three here; all 101 in examples
     let dampings = [0.98, 49.49, 98.0];
-    let curve = hybrid_over_tire_damping(&car(98.0), &settings(Psi::PRINTED), &dampings, (0.1, 100.0, 61)).unwrap();
+    let curve =
+        hybrid_over_tire_damping(&car(98.0), &settings(Psi::PRINTED), &dampings, (0.1, 100.0, 61)).unwrap();
     assert_eq!((curve.freq_hz.len(), curve.at.len()), (61, 3));
     let whole = hybrid(&car(98.0), &settings(Psi::PRINTED)).unwrap().unwrap();
     for (k, freq) in curve.freq_hz.iter().enumerate() {

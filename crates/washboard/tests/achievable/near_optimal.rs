@@ -1,7 +1,7 @@
 //! Controllers near the H2 limit: cost from above, to the limit.
 
 use crate::cars::car;
-use washboard::synthesis::achievable::{Regularisation, Youla, Measurement, near_optimal};
+use washboard::synthesis::achievable::{Measurement, Regularisation, Youla, near_optimal};
 
 #[test]
 fn the_cost_falls_to_the_limit_and_never_below() {
@@ -13,7 +13,15 @@ fn the_cost_falls_to_the_limit_and_never_below() {
                 let regularisation = Regularisation { epsilon_rad_s: tau, tau_s: tau };
                 let found = near_optimal(&car(ct), weights, regularisation).unwrap();
                 let excess = found.h2 / found.limit - 1.0;
-                println!("c_t {ct} Λ {weights:?} τ = ε = {tau:e}: {} limit {} excess {excess:e}", found.h2, found.limit);
+                println!(
+                    "c_t {ct} Λ {weights:?} τ = ε = {tau:e}: {} limit {} excess {excess:e} {}",
+                    found.h2,
+                    found.limit,
+                    match &found.certificate {
+                        Ok(c) => format!("confirmed {:?}", c.h2),
+                        Err(e) => e.to_string(),
+                    }
+                );
                 // 1e-8: rounding of the two norms
                 assert!(excess > -1e-8, "below the limit");
                 assert!(found.h2 < last);

@@ -11,7 +11,12 @@ use washboard::synthesis::achievable::{
 const BOTH: [Measurement; 2] = [Measurement::Acceleration, Measurement::Travel];
 
 /// T of G and K, each entry by itself: G₁₁ + G₁₂ K(1 − G₂₂K)⁻¹G₂₁.
-fn closed(car: &QuarterCar, measurements: &[Measurement], k: &[RationalFunction], z: Response) -> RationalFunction {
+fn closed(
+    car: &QuarterCar,
+    measurements: &[Measurement],
+    k: &[RationalFunction],
+    z: Response,
+) -> RationalFunction {
     let mut difference = RationalFunction::one();
     let mut heard = RationalFunction::zero();
     for (k, m) in k.iter().zip(measurements) {
@@ -24,7 +29,12 @@ fn closed(car: &QuarterCar, measurements: &[Measurement], k: &[RationalFunction]
 #[test]
 fn the_transfer_functions_are_the_plants() {
     // (4.6), (4.10), (4.11) against (4.46)–(4.49), states by states
-    let all = [Measurement::Acceleration, Measurement::Travel, Measurement::UnsprungAcceleration, Measurement::TireDeflection];
+    let all = [
+        Measurement::Acceleration,
+        Measurement::Travel,
+        Measurement::UnsprungAcceleration,
+        Measurement::TireDeflection,
+    ];
     let car = car(98.0);
     let plant = car.plant(&all).unwrap();
     for omega in [0.3, 8.0, 70.0, 2e3] {
@@ -46,7 +56,8 @@ fn the_transfer_functions_are_the_plants() {
     }
     // (4.7) coefficient by coefficient
     let (ms, mu, ks, cs, kt, ct) = (240, 36, 16_000, 980, 160_000, 98);
-    let known = [ks * kt, cs * kt + ct * ks, (ms + mu) * ks + ms * kt + cs * ct, (ms + mu) * cs + ms * ct, ms * mu];
+    let known =
+        [ks * kt, cs * kt + ct * ks, (ms + mu) * ks + ms * kt + cs * ct, (ms + mu) * cs + ms * ct, ms * mu];
     assert_eq!(car.delta(), Polynomial::integers(&known));
 }
 
@@ -55,7 +66,13 @@ fn every_q_gives_its_response_and_comes_back() {
     let mut rng = rand_chacha::ChaCha8Rng::seed_from_u64(41);
     for ct in [0.0, 98.0] {
         let car = car(ct);
-        for measurements in [&BOTH[1..], &BOTH[..1], &BOTH[..], &[Measurement::TireDeflection], &[Measurement::UnsprungDisplacement]] {
+        for measurements in [
+            &BOTH[1..],
+            &BOTH[..1],
+            &BOTH[..],
+            &[Measurement::TireDeflection],
+            &[Measurement::UnsprungDisplacement],
+        ] {
             let youla = Youla::new(&car, measurements).unwrap();
             let parameter = stable(&mut rng);
             let free = vec![stable(&mut rng); measurements.len() - 1];
@@ -81,12 +98,21 @@ fn the_printed_forms_are_these() {
     let times = |all: &[&RationalFunction]| all.iter().fold(RationalFunction::one(), |p, x| &p * x);
     let inner = &s + &times(&[&parameter, &s2, &p2]).over(&delta).unwrap().scaled(&ms);
     let alone = Youla::new(&car, &BOTH[1..]).unwrap();
-    assert_eq!(alone.response(Response::Acceleration, &parameter), times(&[&s2, &l, &inner]).over(&delta).unwrap());
+    assert_eq!(
+        alone.response(Response::Acceleration, &parameter),
+        times(&[&s2, &l, &inner]).over(&delta).unwrap()
+    );
     let both = Youla::new(&car, &BOTH).unwrap();
     let inner = &RationalFunction::one() - &times(&[&parameter, &s2, &p2]).over(&delta).unwrap();
-    assert_eq!(both.response(Response::Acceleration, &parameter), times(&[&s2, &l, &s, &inner]).over(&delta).unwrap());
+    assert_eq!(
+        both.response(Response::Acceleration, &parameter),
+        times(&[&s2, &l, &s, &inner]).over(&delta).unwrap()
+    );
     let inner = &RationalFunction::constant(ms) + &times(&[&parameter, &p1, &s]).over(&delta).unwrap();
-    assert_eq!(both.response(Response::Travel, &parameter), -&times(&[&s2, &l, &inner]).over(&delta).unwrap());
+    assert_eq!(
+        both.response(Response::Travel, &parameter),
+        -&times(&[&s2, &l, &inner]).over(&delta).unwrap()
+    );
 }
 
 #[test]
@@ -131,7 +157,10 @@ fn what_can_not_parametrise_is_told_so() {
     assert!(matches!(Youla::new(&damper, &BOTH[..1]), Err(AchievableError::NotParametrisable { .. })));
     assert!(matches!(Youla::new(&bare, &BOTH), Err(AchievableError::NotHurwitz { .. })));
     let refused = |m: &[Measurement]| Youla::new(&car(98.0), m).unwrap_err();
-    assert!(matches!(refused(&[Measurement::UnsprungAcceleration]), AchievableError::ImproperMeasurement { .. }));
+    assert!(matches!(
+        refused(&[Measurement::UnsprungAcceleration]),
+        AchievableError::ImproperMeasurement { .. }
+    ));
     assert!(matches!(refused(&[]), AchievableError::Measurements { .. }));
     assert!(matches!(refused(&[BOTH[0], BOTH[0]]), AchievableError::Measurements { .. }));
     assert!(matches!(
@@ -159,15 +188,23 @@ fn an_improper_controller_is_refused() {
 fn the_unimodular_matrix_is_the_thesiss() {
     // (4.34)–(4.35)
     let car = car(98.0);
-    let numerator = |m: Measurement| {
-        (&car.road_to(m) * &RationalFunction::polynomial(car.delta())).numerator().clone()
-    };
+    let numerator =
+        |m: Measurement| (&car.road_to(m) * &RationalFunction::polynomial(car.delta())).numerator().clone();
     let found = unimodular(&BOTH.map(numerator));
     assert_eq!(found.g, numerator(Measurement::Travel));
     assert_eq!(found.pi[1][0], car.suspension().scaled(&q(1, 240)));
-    assert_eq!((&found.pi[0][0], &found.pi[0][1], &found.pi[1][1]), (&Polynomial::one(), &Polynomial::zero(), &Polynomial::one()));
+    assert_eq!(
+        (&found.pi[0][0], &found.pi[0][1], &found.pi[1][1]),
+        (&Polynomial::one(), &Polynomial::zero(), &Polynomial::one())
+    );
     // [y₁ y₂ ẍ₂ x₂], the thesis's example of more
-    let row = [Measurement::Acceleration, Measurement::Travel, Measurement::UnsprungAcceleration, Measurement::UnsprungDisplacement].map(numerator);
+    let row = [
+        Measurement::Acceleration,
+        Measurement::Travel,
+        Measurement::UnsprungAcceleration,
+        Measurement::UnsprungDisplacement,
+    ]
+    .map(numerator);
     let found = unimodular(&row);
     for j in 0..4 {
         let entry = (0..4).fold(Polynomial::zero(), |sum, i| &sum + &(&row[i] * &found.pi[i][j]));

@@ -48,6 +48,12 @@ pub enum RationalError {
         /// Degree of d.
         denominator: usize,
     },
+    /// An H2 norm is for what is stable and strictly proper.
+    #[error("the H2 norm is for stable, strictly proper functions, found {what}")]
+    NoNorm {
+        /// Which function.
+        what: String,
+    },
     /// Linear algebra or a system refused.
     #[error(transparent)]
     Lti(#[from] crate::lti::LtiError),

@@ -81,18 +81,18 @@ pub fn by_travel_alone(
         let mut differences = [0.0; 3];
         for (difference, response) in differences.iter_mut().zip(Response::ALL) {
             let exact = &alone.response(response, &q_hat) - &both.response(response, q);
-            *difference = if exact.is_zero() {
-                0.0
-            } else {
-                exact.state_space()?.hinf_norm()?.norm
-            };
+            *difference = if exact.is_zero() { 0.0 } else { exact.state_space()?.hinf_norm()?.norm };
         }
         if differences.iter().all(|d| *d < epsilon) {
             let controller = only(alone.controller(&q_hat, &[])?);
             return Ok(ByTravelAlone::Near { q_hat, controller, tau_s: to_f64(&tau), differences });
         }
     }
-    Err(AchievableError::Number { field: "epsilon", expected: "a number that floating point resolves", found: epsilon })
+    Err(AchievableError::Number {
+        field: "epsilon",
+        expected: "a number that floating point resolves",
+        found: epsilon,
+    })
 }
 
 pub(super) fn only(mut controller: Vec<RationalFunction>) -> RationalFunction {

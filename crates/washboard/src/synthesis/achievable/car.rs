@@ -2,7 +2,9 @@
 
 use super::AchievableError;
 use crate::linalg::Mat;
-use crate::lti::{GeneralizedPlant, Polynomial, Rational, RationalFunction, Signals, StateSpace, decimal, to_f64};
+use crate::lti::{
+    GeneralizedPlant, Polynomial, Rational, RationalFunction, Signals, StateSpace, decimal, to_f64,
+};
 use num_traits::{One, Signed};
 
 /// The numbers of a quarter car, SI; each is taken as the decimal that it is written as.
@@ -241,8 +243,7 @@ impl QuarterCar {
         let (travel, deflection) = ([1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0]);
         let a = [[0.0, 0.0, 1.0, -1.0], [0.0, 0.0, 0.0, 1.0], sprung, unsprung];
         let b = [[0.0, 0.0], [-1.0, 0.0], [0.0, -1.0 / ms], [ct / mu, 1.0 / mu]];
-        let mut rows =
-            vec![(sprung, [0.0, -1.0 / ms]), (travel, [0.0; 2]), (deflection, [0.0; 2])];
+        let mut rows = vec![(sprung, [0.0, -1.0 / ms]), (travel, [0.0; 2]), (deflection, [0.0; 2])];
         for m in measurements {
             rows.push(match m {
                 Measurement::Acceleration => (sprung, [0.0, -1.0 / ms]),

@@ -154,7 +154,10 @@ impl Constraints {
         }
         let q = (h - &self.base).over(&self.slope)?;
         if !q.is_stable() {
-            return Err(AchievableError::NotStable { what: "q of constraints that hold", found: q.to_string() });
+            return Err(AchievableError::NotStable {
+                what: "q of constraints that hold",
+                found: q.to_string(),
+            });
         }
         let free = vec![RationalFunction::zero(); self.youla.measurements().len() - 1];
         let controller = self.youla.controller(&q, &free)?;
@@ -183,10 +186,10 @@ impl Constraints {
             let terms: Vec<String> = at_infinity
                 .iter()
                 .filter(|(_, v)| !v.is_zero())
-                .map(|(k, v)| format!("{}{}", short(to_f64(v)), over_s(*k)))
-                .chain([format!("O(1/s^{})", last + 1)])
+                .map(|(k, v)| format!("{}{}", number(v), over_s(*k)))
+                .chain([format!("O(1{})", over_s(last + 1))])
                 .collect();
-            lines.push(format!("{h}(s) = {} as s → ∞", terms.join(" + ").replace("+ -", "− ")));
+            lines.push(format!("{h}(s) = {} as s → ∞", terms.join(" + ").replace("+ −", "− ")));
         }
         let at = |keep: fn(&Constraint) -> bool| {
             self.list.iter().filter(|c| keep(c)).map(|c| c.text(h)).collect::<Vec<_>>().join(", ")
@@ -234,7 +237,6 @@ impl Constraint {
     /// In words, for a response of this name.
     #[must_use]
     pub fn text(&self, h: &str) -> String {
-        let number = |x: &Rational| short(to_f64(x)).replace('-', "−");
         match self {
             Constraint::AtZero { derivative: k, value } => {
                 let marks = if *k <= 3 { "'".repeat(*k) } else { format!("^({k})") };
@@ -247,17 +249,26 @@ impl Constraint {
             Constraint::OnAxis { omega_squared, re, im } => {
                 let omega = to_f64(omega_squared).sqrt();
                 let hz = omega / std::f64::consts::TAU;
-                let slope = if im.is_zero() { String::new() } else { format!(" ± j {}", short(to_f64(im) * omega)) };
+                let slope =
+                    if im.is_zero() { String::new() } else { format!(" ± j {}", short(to_f64(im) * omega)) };
                 format!("{h}(±j{}) = {}{slope} ({} Hz)", short(omega), number(re), short(hz))
             }
             Constraint::NotAtInfinity { power: 0, value } => {
                 format!("{h}(∞) ≠ {} (a proper controller)", number(value))
             }
             Constraint::NotAtInfinity { power, value } => {
-                format!("the coefficient of s^−{power} of {h} at infinity ≠ {} (a proper controller)", number(value))
+                format!(
+                    "the coefficient of s^−{power} of {h} at infinity ≠ {} (a proper controller)",
+                    number(value)
+                )
             }
         }
     }
+}
+
+/// Seven digits, with a minus sign.
+fn number(x: &Rational) -> String {
+    short(to_f64(x)).replace('-', "−")
 }
 
 fn over_s(k: usize) -> String {

@@ -24,7 +24,9 @@ pub enum AchievableError {
         found: String,
     },
     /// A measurement whose response to the road is not finite at high frequencies.
-    #[error("`{measurement}` is not proper: with tire damping it has the derivative of the road's velocity in it")]
+    #[error(
+        "`{measurement}` is not proper: with tire damping it has the derivative of the road's velocity in it"
+    )]
     ImproperMeasurement {
         /// Its name.
         measurement: &'static str,
@@ -56,7 +58,9 @@ pub enum AchievableError {
         found: String,
     },
     /// Zeros in the closed right half plane elsewhere than where constraints are known.
-    #[error("the controls' reach has zeros in the closed right half plane besides 0, ω₁, ω₂ and infinity: {factor}")]
+    #[error(
+        "the controls' reach has zeros in the closed right half plane besides 0, ω₁, ω₂ and infinity: {factor}"
+    )]
     OtherZeros {
         /// The factor that has them.
         factor: String,

@@ -8,8 +8,11 @@ pub use curve::{HybridAt, HybridCurve, hybrid_over_tire_damping};
 pub use psi::Psi;
 
 use super::approximate::only;
+use super::closed::{certificate, h2_norms, responses};
 use super::hidden::characteristic;
-use super::{AchievableError, HiddenMode, Measurement, NotAchievable, QuarterCar, Response, Youla, hidden_modes};
+use super::{
+    AchievableError, HiddenMode, Measurement, NotAchievable, QuarterCar, Response, Youla, hidden_modes,
+};
 use crate::linalg::C64;
 use crate::lti::rational::number::short;
 use crate::lti::{Continuous, Rational, RationalFunction, StateSpace, decimal};
@@ -19,6 +22,8 @@ use crate::synthesis::{Certificate, LqgWeights, lqg};
 const MATCHED_OVER_HZ: (f64, f64, usize) = (0.01, 1e4, 121);
 /// A response whose rms is above the passive one by more than this is warned of.
 const WORSE: f64 = 1.01;
+/// A relative difference of rms in floating point from the exact one that is warned of.
+const SENSITIVE: f64 = 1e-6;
 
 /// What the design is to be.
 #[derive(Debug, Clone, PartialEq)]
@@ -52,7 +57,7 @@ pub struct Hybrid {
     pub match_error: f64,
     /// The closed loop by itself.
     pub certificate: Certificate,
-    /// rms of z₁, z₂, z₃: passive, LQG on the real tire, LQG on the fictitious one, hybrid.
+    /// rms of z₁, z₂, z₃: passive, LQG on the real tire, LQG on the fictitious one, hybrid; exact but for rounding once.
     pub rms: HybridRms,
     /// |H₃(jω₂)| over that of the design copied: c_t(fictitious)/c_t by (4.30), as far as Ψ(jω₂) is 1.
     pub tire_factor_at_wheel_hop: f64,
@@ -104,7 +109,7 @@ pub fn hybrid(
     let (controller, q_hat) = (only(proof.controller), only(proof.q_hat));
     let system = controller.state_space()?;
     let plant = car.plant(&[Measurement::Travel])?;
-    let certificate = Certificate::of(&plant, &system)?;
+    let certificate = certificate(&plant, &system)?;
     let closed = plant.close(&system)?;
     let (mut error, mut size) = (0.0f64, 0.0f64);
     for omega in log_spaced(MATCHED_OVER_HZ) {
@@ -119,12 +124,13 @@ pub fn hybrid(
     let at_hop = |h: &RationalFunction| -> Result<f64, AchievableError> { Ok(h.at_frequency(hop)?.norm()) };
     let tire_factor_at_wheel_hop = at_hop(&proof.responses[2])? / at_hop(&copied.responses[2])?;
     let rms = HybridRms {
-        passive: rms_from(&Certificate::passive(&plant)?, settings),
+        passive: rms_of(car, &RationalFunction::zero(), settings)?,
         lqg: lqg_rms,
         copied: copied.rms,
-        hybrid: rms_from(&certificate, settings),
+        hybrid: rms_from(&proof.responses, settings)?,
     };
-    let warnings = warnings(&hidden, &rms, tire_factor_at_wheel_hop, hop);
+    let mut warnings = warnings(&hidden, &rms, tire_factor_at_wheel_hop, hop);
+    warnings.extend(sensitivity(&rms, &certificate, settings));
     Ok(Ok(Hybrid {
         exact_match,
         target,
@@ -185,19 +191,21 @@ fn lqg_of_travel(car: &QuarterCar, sensor_noise: f64) -> Result<RationalFunction
     Ok(exact.into_iter().flatten().next().unwrap_or_else(RationalFunction::zero).rounded()?)
 }
 
+/// rms on the road, of a loop with a controller of the travel; exactly but for the last rounding.
 fn rms_of(
     car: &QuarterCar,
     controller: &RationalFunction,
     settings: &HybridSettings,
 ) -> Result<[f64; 3], AchievableError> {
-    let plant = car.plant(&[Measurement::Travel])?;
-    Ok(rms_from(&Certificate::of(&plant, &controller.state_space()?)?, settings))
+    rms_from(&responses(car, controller)?, settings)
 }
 
-fn rms_from(certificate: &Certificate, settings: &HybridSettings) -> [f64; 3] {
+fn rms_from(
+    responses: &[RationalFunction; 3],
+    settings: &HybridSettings,
+) -> Result<[f64; 3], AchievableError> {
     let root = settings.road_velocity_intensity.sqrt();
-    let of = |k: usize| certificate.channels.get(k).and_then(|c| c.h2).map_or(f64::INFINITY, |h| root * h);
-    [of(0), of(1), of(2)]
+    Ok(h2_norms(responses)?.map(|h| root * h))
 }
 
 fn warnings(hidden: &[HiddenMode], rms: &HybridRms, factor: f64, hop: f64) -> Vec<String> {
@@ -207,7 +215,7 @@ fn warnings(hidden: &[HiddenMode], rms: &HybridRms, factor: f64, hop: f64) -> Ve
         .filter(|m| !m.visible_in.is_empty())
         .map(|m| {
             format!(
-                "the closed loop hides a mode at {} Hz with {} % damping: {} shows nothing of it, {} does",
+                "the closed loop hides a mode at {} Hz with {} % damping: not in {}, but in {}",
                 short4(m.freq_hz),
                 short4(100.0 * m.damping),
                 names(&m.hidden_in),
@@ -216,7 +224,10 @@ fn warnings(hidden: &[HiddenMode], rms: &HybridRms, factor: f64, hop: f64) -> Ve
         })
         .collect();
     let hz = short4(hop / std::f64::consts::TAU);
-    all.push(format!("at {hz} Hz the tire deflects {} times as much as in the design that is copied", short4(factor)));
+    all.push(format!(
+        "at {hz} Hz the tire deflects {} times as much as in the design that is copied",
+        short4(factor)
+    ));
     for response in Response::ALL {
         let k = response as usize;
         if rms.hybrid[k] > WORSE * rms.passive[k] {
@@ -230,6 +241,22 @@ fn warnings(hidden: &[HiddenMode], rms: &HybridRms, factor: f64, hop: f64) -> Ve
         }
     }
     all
+}
+
+/// Where the loop in floating point is not the exact one: the controller can't be written down well enough.
+fn sensitivity(rms: &HybridRms, certificate: &Certificate, settings: &HybridSettings) -> Option<String> {
+    let root = settings.road_velocity_intensity.sqrt();
+    let off = certificate.channels.iter().zip(rms.hybrid).find_map(|(c, exact)| {
+        let found = c.h2.map_or(f64::INFINITY, |h| root * h);
+        (!((found / exact - 1.0).abs() < SENSITIVE)).then_some((c.name.clone(), exact, found))
+    });
+    off.map(|(name, exact, found)| {
+        format!(
+            "rms {name} is {} exactly and {} in double precision: the design is too sensitive",
+            short4(exact),
+            short4(found)
+        )
+    })
 }
 
 fn in_words(response: Response) -> &'static str {
@@ -273,4 +300,3 @@ fn check_stable(car: &QuarterCar, controller: &RationalFunction) -> Result<(), A
     }
     Err(AchievableError::NotStable { what: "the closed loop", found: poly.to_string() })
 }
-

@@ -50,7 +50,14 @@ pub fn log_integral(car: &QuarterCar, h3: &RationalFunction) -> Result<LogIntegr
     let zeros = PI * zeros_rad_s.iter().map(|z| z.re).sum::<f64>();
     let tire_damping = -FRAC_PI_2 * to_f64(&residue);
     let (quadrature, quadrature_error) = by_quadrature(h3)?;
-    Ok(LogIntegral { zeros, tire_damping, formula: zeros + tire_damping, quadrature, quadrature_error, zeros_rad_s })
+    Ok(LogIntegral {
+        zeros,
+        tire_damping,
+        formula: zeros + tire_damping,
+        quadrature,
+        quadrature_error,
+        zeros_rad_s,
+    })
 }
 
 /// ω = ω₀ tan θ; ln|T| = ½ ln(1 + (|n|² − |d|²)/|d|²) with the difference exact, as it vanishes as ω⁻² at infinity.
@@ -59,8 +66,12 @@ fn by_quadrature(h: &RationalFunction) -> Result<(f64, f64), AchievableError> {
         // |p(jω)|² in x = ω²: e(−x)² + x o(−x)²
         let (e, o) = p.even_and_odd();
         let turned = |p: &Polynomial| {
-            let c: Vec<_> =
-                p.coefficients().into_iter().enumerate().map(|(k, c)| if k % 2 == 1 { -c } else { c }).collect();
+            let c: Vec<_> = p
+                .coefficients()
+                .into_iter()
+                .enumerate()
+                .map(|(k, c)| if k % 2 == 1 { -c } else { c })
+                .collect();
             Polynomial::new(&c)
         };
         let (e, o) = (turned(&e), turned(&o));
@@ -72,7 +83,11 @@ fn by_quadrature(h: &RationalFunction) -> Result<(f64, f64), AchievableError> {
     let mean = to_f64(&(d.coefficient(0) / d.leading())).powf(0.5 / degree as f64);
     let scale = if mean.is_normal() { mean } else { 1.0 };
     let floats = |p: &Polynomial| -> Vec<f64> {
-        p.coefficients().iter().enumerate().map(|(k, c)| to_f64(c) * scale.powi(2 * (k as i32 - degree as i32))).collect()
+        p.coefficients()
+            .iter()
+            .enumerate()
+            .map(|(k, c)| to_f64(c) * scale.powi(2 * (k as i32 - degree as i32)))
+            .collect()
     };
     let (difference, below, above) = (floats(&(&n - &d)), floats(&d), floats(&n));
     // x^-degree·p(x) for large x, so that nothing overflows

@@ -6,6 +6,7 @@
 
 mod approximate;
 mod car;
+mod closed;
 mod constraints;
 mod error;
 mod hidden;
@@ -21,7 +22,9 @@ pub use car::{Measurement, QuarterCar, QuarterCarNumbers, Response};
 pub use constraints::{Constraint, Constraints, NotAchievable, Proof, Violation};
 pub use error::AchievableError;
 pub use hidden::{HiddenMode, hidden_modes};
-pub use hybrid::{Hybrid, HybridAt, HybridCurve, HybridRms, HybridSettings, Psi, hybrid, hybrid_over_tire_damping};
+pub use hybrid::{
+    Hybrid, HybridAt, HybridCurve, HybridRms, HybridSettings, Psi, hybrid, hybrid_over_tire_damping,
+};
 pub use log_integral::{LogIntegral, log_integral};
 pub use near_optimal::{NearOptimal, Regularisation, near_optimal};
 pub use unimodular::{Unimodular, unimodular};

@@ -1,10 +1,14 @@
 //! A controller near what no controller beats: the H2-optimal Q, made proper.
 
 use super::approximate::only;
+use super::closed::{certificate, h2_norms, responses};
 use super::{AchievableError, Measurement, QuarterCar, Youla};
 use crate::lti::{Continuous, Polynomial, RationalFunction, StateSpace, decimal};
 use crate::synthesis::{Certificate, full_information, h2_limit};
 use num_traits::One;
+
+/// The cost in floating point has to be the exact one to this share.
+const CONFIRMED: f64 = 1e-6;
 
 /// How the factor that Q would be divided by is made invertible.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -24,12 +28,13 @@ pub struct NearOptimal {
     pub controller: RationalFunction,
     /// K in state space.
     pub system: StateSpace<Continuous>,
-    /// ‖Λ T_zV‖₂ recomputed from plant and K.
+    /// ‖Λ T_zV‖₂ recomputed from the four blocks of the plant and K, exactly but for the last rounding.
     pub h2: f64,
     /// What no controller is below: [`h2_limit`].
     pub limit: f64,
-    /// The whole closed loop, of the weighted performances.
-    pub certificate: Certificate,
+    /// The closed loop of the weighted performances in floating point, if that gives the same cost; else why not: for ε and
+    /// τ so small that double precision does not hold the loop, the controller is of no use.
+    pub certificate: Result<Certificate, AchievableError>,
 }
 
 /// The optimal Q of (5.17) with the travel measured, divided by the regularised factor of (5.10).
@@ -39,7 +44,7 @@ pub struct NearOptimal {
 ///
 /// Q̂ = −Q₀ Δ/(m_s(s + ε)(c_t s + k_t)(τ s + 1)ᵏ), K = Q̂(1 + G₂₂Q̂)⁻¹,
 ///
-/// and Q̂G₂₁ → Q₀ as ε, τ → 0. The cost is recomputed by [`Certificate`], which shares nothing with this.
+/// and Q̂G₂₁ → Q₀ as ε, τ → 0. The cost is recomputed exactly, and by [`Certificate`], which shares nothing with this.
 ///
 /// # Errors
 /// λ₁ or λ₂ that is not positive, λ₃ negative; ε or τ that is not positive; a car that is not stable.
@@ -51,9 +56,12 @@ pub fn near_optimal(
     regularisation: Regularisation,
 ) -> Result<NearOptimal, AchievableError> {
     let Regularisation { epsilon_rad_s: epsilon, tau_s: tau } = regularisation;
-    for (field, found) in
-        [("weight of the acceleration", weights[0]), ("weight of the travel", weights[1]), ("epsilon_rad_s", epsilon), ("tau_s", tau)]
-    {
+    for (field, found) in [
+        ("weight of the acceleration", weights[0]),
+        ("weight of the travel", weights[1]),
+        ("epsilon_rad_s", epsilon),
+        ("tau_s", tau),
+    ] {
         if !(found > 0.0 && found.is_finite()) {
             return Err(AchievableError::Number { field, expected: "a positive, finite number", found });
         }
@@ -65,12 +73,8 @@ pub fn near_optimal(
     let limit = h2_limit(&plant)?.h2;
     let (_, regulator) = full_information(&plant)?;
     let f = regulator.gain;
-    let driven = StateSpace::continuous(
-        plant.a() + plant.b2() * &f,
-        plant.b1(),
-        f,
-        crate::linalg::Mat::zeros(1, 1),
-    )?;
+    let driven =
+        StateSpace::continuous(plant.a() + plant.b2() * &f, plant.b1(), f, crate::linalg::Mat::zeros(1, 1))?;
     let q0 = RationalFunction::of_system(&driven)?;
     let q0 = q0.into_iter().flatten().next().unwrap_or_else(RationalFunction::zero).rounded()?;
     let one = num_rational::Ratio::one;
@@ -81,7 +85,11 @@ pub fn near_optimal(
     let q_hat = &q0 * &divided;
     let controller = only(Youla::new(car, &[Measurement::Travel])?.controller(&q_hat, &[])?);
     let system = controller.state_space()?;
-    let certificate = Certificate::of(&plant, &system)?;
-    let h2 = certificate.h2.unwrap_or(f64::INFINITY);
+    let norms = h2_norms(&responses(car, &controller)?)?;
+    let h2 = norms.iter().zip(weights).map(|(n, w)| (w * n).powi(2)).sum::<f64>().sqrt();
+    let certificate = certificate(&plant, &system).and_then(|c| {
+        c.confirm_h2(h2, CONFIRMED)?;
+        Ok(c)
+    });
     Ok(NearOptimal { q_hat, controller, system, h2, limit, certificate })
 }

@@ -33,7 +33,9 @@ pub fn unimodular(row: &[Polynomial]) -> Unimodular {
     let mut pi: Vec<Vec<Polynomial>> = (0..n).map(|i| (0..n).map(|j| one(i, j)).collect()).collect();
     loop {
         // the entry of least degree divides the others
-        let Some(pivot) = (0..n).rev().filter(|j| !row[*j].is_zero()).min_by_key(|j| row[*j].degree()) else { break };
+        let Some(pivot) = (0..n).rev().filter(|j| !row[*j].is_zero()).min_by_key(|j| row[*j].degree()) else {
+            break;
+        };
         let others: Vec<usize> = (0..n).filter(|j| *j != pivot && !row[*j].is_zero()).collect();
         for j in &others {
             let Ok((q, r)) = row[*j].divided_by(&row[pivot]) else { continue };

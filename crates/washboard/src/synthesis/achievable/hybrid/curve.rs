@@ -88,7 +88,8 @@ fn actuator(
     let (g22, g21) = (car.force_to(Measurement::Travel), car.road_to(Measurement::Travel));
     let (mut gain, mut force) = (Vec::new(), Vec::new());
     for omega in omegas {
-        let (k, p, d) = (controller.at_frequency(*omega)?, g22.at_frequency(*omega)?, g21.at_frequency(*omega)?);
+        let (k, p, d) =
+            (controller.at_frequency(*omega)?, g22.at_frequency(*omega)?, g21.at_frequency(*omega)?);
         gain.push(k.norm());
         force.push((k / (1.0 - p * k) * d).norm() / omega);
     }
