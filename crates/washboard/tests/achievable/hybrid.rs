@@ -3,7 +3,7 @@
 use crate::cars::{ROAD, car, q};
 use washboard::lti::RationalFunction;
 use washboard::synthesis::achievable::{
-    Constraint, HybridSettings, NotAchievable, Psi, Response, hybrid, hybrid_over_tire_damping,
+    Constraint, HybridSettings, Measurement, NotAchievable, Psi, Response, hybrid, hybrid_over_tire_damping,
 };
 
 fn settings(psi: Psi) -> HybridSettings {
@@ -42,10 +42,6 @@ fn the_printed_design_with_what_it_hides() {
     let all = found.warnings.join("\n");
     assert!(all.contains("hides a mode at 10.61 Hz with 2.042 % damping: not in acceleration"), "{all}");
     assert!(all.contains("rms tire deflection: 0.003793 against 0.001651 of the passive car"), "{all}");
-    println!(
-        "{all}\n{:?}\nfactor {} and {}",
-        found.rms, found.tire_factor_at_wheel_hop, close.tire_factor_at_wheel_hop
-    );
 }
 
 #[test]
@@ -88,8 +84,19 @@ fn over_tire_damping_the_controllers_hardly_change() {
     for (k, freq) in curve.freq_hz.iter().enumerate() {
         let exact = whole.controller.at_frequency(std::f64::consts::TAU * freq).unwrap().norm();
         assert!((curve.at[2].hybrid.gain[k] / exact - 1.0).abs() < 1e-12);
+        // the force again, by Q̂ G₂₁
+        let omega = std::f64::consts::TAU * freq;
+        let heard = car(98.0).road_to(Measurement::Travel).at_frequency(omega).unwrap();
+        let force = (whole.q_hat.at_frequency(omega).unwrap() * heard).norm() / omega;
+        assert!((curve.at[2].hybrid.force[k] / force - 1.0).abs() < 1e-9);
     }
-    for at in &curve.at {
-        println!("c_t {}: rms lqg {:?} hybrid {:?}", at.tire_damping, at.lqg.rms, at.hybrid.rms);
+    // H₁ is the same on each tire, and the less it is damped the more it is z₂ and z₃ that pay
+    for pair in curve.at.windows(2) {
+        assert!((pair[0].hybrid.rms[0] / pair[1].hybrid.rms[0] - 1.0).abs() < 1e-3);
+        assert!(pair[0].hybrid.rms[2] > 1.3 * pair[1].hybrid.rms[2]);
     }
+    let refused = |dampings: &[f64], over| {
+        hybrid_over_tire_damping(&car(98.0), &settings(Psi::PRINTED), dampings, over).is_err()
+    };
+    assert!(refused(&[0.0], (0.1, 100.0, 2)) && refused(&[98.0], (1.0, 0.5, 2)));
 }

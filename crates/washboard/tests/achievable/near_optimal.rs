@@ -13,15 +13,11 @@ fn the_cost_falls_to_the_limit_and_never_below() {
                 let regularisation = Regularisation { epsilon_rad_s: tau, tau_s: tau };
                 let found = near_optimal(&car(ct), weights, regularisation).unwrap();
                 let excess = found.h2 / found.limit - 1.0;
-                println!(
-                    "c_t {ct} Λ {weights:?} τ = ε = {tau:e}: {} limit {} excess {excess:e} {}",
-                    found.h2,
-                    found.limit,
-                    match &found.certificate {
-                        Ok(c) => format!("confirmed {:?}", c.h2),
-                        Err(e) => e.to_string(),
-                    }
-                );
+                // what double precision holds: rigid weights to 10⁻⁴, weights that leave the body nearly free to 10⁻³
+                if k <= if weights[2] > 1.0 { 2 } else { 1 } {
+                    let certificate = found.certificate.as_ref().unwrap();
+                    assert!((certificate.h2.unwrap() / found.h2 - 1.0).abs() < 1e-6);
+                }
                 // 1e-8: rounding of the two norms
                 assert!(excess > -1e-8, "below the limit");
                 assert!(found.h2 < last);

@@ -300,6 +300,7 @@ fn coprime_modulo(a: &[BigInt], b: &[BigInt]) -> bool {
 
 impl Add for &Polynomial {
     type Output = Polynomial;
+    #[allow(clippy::suspicious_arithmetic_impl, reason = "over a common denominator")]
     fn add(self, other: &Polynomial) -> Polynomial {
         let n = self.coefficients.len().max(other.coefficients.len());
         let term = |p: &Polynomial, k: usize, by: &BigInt| {

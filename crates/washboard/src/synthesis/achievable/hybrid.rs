@@ -151,7 +151,6 @@ pub fn hybrid(
 struct Copied {
     tire_damping: Rational,
     controller: RationalFunction,
-    q_hat: RationalFunction,
     responses: [RationalFunction; 3],
     rms: [f64; 3],
 }
@@ -170,7 +169,7 @@ impl Copied {
         let (q_hat, _) = youla.q_of(std::slice::from_ref(&controller))?;
         let responses = Response::ALL.map(|r| youla.response(r, &q_hat));
         let rms = rms_of(&fictitious, &controller, settings)?;
-        Ok(Copied { tire_damping: fictitious.ct, controller, q_hat, responses, rms })
+        Ok(Copied { tire_damping: fictitious.ct, controller, responses, rms })
     }
 
     /// σ = α₁/α₂.

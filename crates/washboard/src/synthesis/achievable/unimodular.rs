@@ -31,25 +31,22 @@ pub fn unimodular(row: &[Polynomial]) -> Unimodular {
     let mut row = row.to_vec();
     let one = |i: usize, j: usize| if i == j { Polynomial::one() } else { Polynomial::zero() };
     let mut pi: Vec<Vec<Polynomial>> = (0..n).map(|i| (0..n).map(|j| one(i, j)).collect()).collect();
-    loop {
-        // the entry of least degree divides the others
-        let Some(pivot) = (0..n).rev().filter(|j| !row[*j].is_zero()).min_by_key(|j| row[*j].degree()) else {
-            break;
-        };
+    // the entry of least degree divides the others
+    while let Some(pivot) = (0..n).rev().filter(|j| !row[*j].is_zero()).min_by_key(|j| row[*j].degree()) {
         let others: Vec<usize> = (0..n).filter(|j| *j != pivot && !row[*j].is_zero()).collect();
-        for j in &others {
-            let Ok((q, r)) = row[*j].divided_by(&row[pivot]) else { continue };
-            for line in &mut pi {
-                line[*j] = &line[*j] - &(&q * &line[pivot]);
-            }
-            row[*j] = r;
-        }
         if others.is_empty() {
             row.swap(pivot, n - 1);
             for line in &mut pi {
                 line.swap(pivot, n - 1);
             }
             break;
+        }
+        for j in others {
+            let Ok((q, r)) = row[j].divided_by(&row[pivot]) else { continue };
+            for line in &mut pi {
+                line[j] = &line[j] - &(&q * &line[pivot]);
+            }
+            row[j] = r;
         }
     }
     let g = row.pop().unwrap_or_else(Polynomial::zero);
