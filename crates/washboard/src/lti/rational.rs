@@ -1,6 +1,7 @@
 //! Exact rational functions of s: cancellation, stability and interpolation without rounding.
 
 mod convert;
+mod gcd;
 mod hurwitz;
 mod norm;
 pub(crate) mod number;

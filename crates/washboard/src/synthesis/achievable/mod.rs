@@ -13,6 +13,7 @@ mod hidden;
 mod hybrid;
 mod log_integral;
 mod near_optimal;
+mod plant;
 mod trade_offs;
 mod unimodular;
 mod youla;

@@ -67,3 +67,24 @@ impl Psi {
         Ok(RationalFunction::new(over(sigma), over(Rational::one()))?)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_psi_keeps_the_three_conditions_and_its_band() {
+        let ratio = Rational::new(1.into(), 20.into());
+        for psi in [Psi::PRINTED, Psi::ForBand { omega_rad_s: 200.0, tolerance: 0.01 }] {
+            let f = psi.function(&ratio).unwrap();
+            assert!(f.is_stable());
+            assert_eq!(f.taylor(2).unwrap(), [Rational::one(), Rational::new(0.into(), 1.into())]);
+            assert_eq!(f.at_infinity(1).unwrap(), [ratio.clone()]);
+        }
+        let f = Psi::ForBand { omega_rad_s: 200.0, tolerance: 0.01 }.function(&ratio).unwrap();
+        let off = |omega: f64| (f.at_frequency(omega).unwrap() - 1.0).norm();
+        assert!(off(200.0) < 0.01 * (1.0 + 1e-9) && off(200.0) > 0.0099 && off(100.0) < off(200.0));
+        assert!(Psi::ForBand { omega_rad_s: 1.0, tolerance: 1.0 }.function(&ratio).is_err());
+        assert!(Psi::Given { a: 0.0, b: 1.0 }.function(&ratio).is_err());
+    }
+}
