@@ -5,6 +5,7 @@ mod gcd;
 mod hurwitz;
 mod norm;
 pub(crate) mod number;
+mod operators;
 mod polynomial;
 pub(crate) mod series;
 

@@ -5,14 +5,13 @@ use num_bigint::{BigInt, Sign};
 use num_rational::Ratio;
 use num_traits::{One, Signed, Zero};
 use std::fmt;
-use std::ops::{Add, Mul, Neg, Sub};
 
 /// p(s) = (c₀ + c₁s + … + cₙsⁿ)/q with integers c and q > 0 that share no factor: equal polynomials are equal values.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Polynomial {
     /// Ascending; the last one is not zero; empty for 0.
-    coefficients: Vec<BigInt>,
-    over: BigInt,
+    pub(super) coefficients: Vec<BigInt>,
+    pub(super) over: BigInt,
 }
 
 impl Polynomial {
@@ -196,7 +195,7 @@ impl Polynomial {
     }
 
     /// In lowest terms; over zero: the primitive part.
-    fn reduced(mut coefficients: Vec<BigInt>, over: BigInt) -> Self {
+    pub(super) fn reduced(mut coefficients: Vec<BigInt>, over: BigInt) -> Self {
         while coefficients.last().is_some_and(Zero::is_zero) {
             coefficients.pop();
         }
@@ -231,49 +230,6 @@ fn gcd(a: &BigInt, b: &BigInt) -> BigInt {
         (a, b) = (b, r);
     }
     a
-}
-
-impl Add for &Polynomial {
-    type Output = Polynomial;
-    #[allow(clippy::suspicious_arithmetic_impl, reason = "over a common denominator")]
-    fn add(self, other: &Polynomial) -> Polynomial {
-        let n = self.coefficients.len().max(other.coefficients.len());
-        let term = |p: &Polynomial, k: usize, by: &BigInt| {
-            p.coefficients.get(k).map_or_else(BigInt::zero, |c| c * by)
-        };
-        let c = (0..n).map(|k| term(self, k, &other.over) + term(other, k, &self.over)).collect();
-        Polynomial::reduced(c, &self.over * &other.over)
-    }
-}
-
-impl Neg for &Polynomial {
-    type Output = Polynomial;
-    fn neg(self) -> Polynomial {
-        Polynomial { coefficients: self.coefficients.iter().map(|c| -c).collect(), over: self.over.clone() }
-    }
-}
-
-impl Sub for &Polynomial {
-    type Output = Polynomial;
-    fn sub(self, other: &Polynomial) -> Polynomial {
-        self + &-other
-    }
-}
-
-impl Mul for &Polynomial {
-    type Output = Polynomial;
-    fn mul(self, other: &Polynomial) -> Polynomial {
-        if self.is_zero() || other.is_zero() {
-            return Polynomial::zero();
-        }
-        let mut c = vec![BigInt::zero(); self.coefficients.len() + other.coefficients.len() - 1];
-        for (i, a) in self.coefficients.iter().enumerate() {
-            for (j, b) in other.coefficients.iter().enumerate() {
-                c[i + j] += a * b;
-            }
-        }
-        Polynomial::reduced(c, &self.over * &other.over)
-    }
 }
 
 impl fmt::Display for Polynomial {
