@@ -67,10 +67,18 @@ fn a_psi_that_can_not_be_is_answered_with_its_constraint() {
     };
     assert!(matches!(&broken[..], [v] if matches!(v.constraint, Constraint::AtInfinity { power: 0, .. })));
     assert!(hybrid(&car(98.0), &settings(Psi::Given { a: -1.0, b: 10.0 })).is_err());
+    let good = settings(Psi::PRINTED);
+    let refused = |s: HybridSettings| hybrid(&car(98.0), &s).unwrap_err().to_string();
     assert!(
-        hybrid(&car(98.0), &HybridSettings { fictitious_tire_damping: 0.0, ..settings(Psi::PRINTED) })
-            .is_err()
+        refused(HybridSettings { fictitious_tire_damping: 0.0, ..good.clone() })
+            .contains("fictitious tire damping")
     );
+    assert!(
+        refused(HybridSettings { road_velocity_intensity: -1.0, ..good.clone() }).contains("road velocity")
+    );
+    // without tire damping ω₂ stays where it is: no Ψ helps
+    let Err(NotAchievable::Violated(broken)) = hybrid(&car(0.0), &good).unwrap() else { panic!() };
+    assert!(broken.iter().any(|v| matches!(v.constraint, Constraint::OnAxis { .. })));
 }
 
 #[test]

@@ -153,12 +153,15 @@ struct Copied {
 
 impl Copied {
     fn new(car: &QuarterCar, settings: &HybridSettings) -> Result<Self, AchievableError> {
-        let found = settings.fictitious_tire_damping;
-        if !(found > 0.0 && found.is_finite()) {
-            let (field, expected) = ("fictitious tire damping", "a positive, finite number");
-            return Err(AchievableError::Number { field, expected, found });
+        for (field, found) in [
+            ("fictitious tire damping", settings.fictitious_tire_damping),
+            ("road velocity intensity", settings.road_velocity_intensity),
+        ] {
+            if !(found > 0.0 && found.is_finite()) {
+                return Err(AchievableError::Number { field, expected: "a positive, finite number", found });
+            }
         }
-        let fictitious = car.with_tire_damping(decimal(found)?)?;
+        let fictitious = car.with_tire_damping(decimal(settings.fictitious_tire_damping)?)?;
         let controller = lqg_of_travel(&fictitious, settings.sensor_noise)?;
         let youla = Youla::new(&fictitious, &[Measurement::Travel])?;
         // eq. (4.23) the other way round
