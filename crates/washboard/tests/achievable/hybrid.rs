@@ -108,3 +108,13 @@ fn over_tire_damping_the_controllers_hardly_change() {
     };
     assert!(refused(&[0.0], (0.1, 100.0, 2)) && refused(&[98.0], (1.0, 0.5, 2)));
 }
+
+#[test]
+fn a_design_that_double_precision_does_not_hold_says_so() {
+    // c_t = 0.001 c_s: a zero of the road at 1.6e5 rad/s and a pole of Ψ at 0.02 rad/s in one loop
+    let found = hybrid(&car(0.98), &settings(Psi::PRINTED)).unwrap().unwrap();
+    assert!(found.warnings.iter().any(|w| w.contains("the design is too sensitive")), "{:?}", found.warnings);
+    assert!((found.rms.hybrid[0] - 0.273701).abs() < 1e-6);
+    let held = hybrid(&car(98.0), &settings(Psi::PRINTED)).unwrap().unwrap();
+    assert!(!held.warnings.iter().any(|w| w.contains("too sensitive")));
+}
