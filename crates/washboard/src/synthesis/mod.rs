@@ -1,8 +1,10 @@
 //! Controllers from plants: regulators and filters, H2 and H∞ designs, what no controller can beat, and certificates.
 //!
-//! A plant is a [`GeneralizedPlant`](crate::lti::GeneralizedPlant); nothing here knows of vehicles. The control law is
+//! A plant is a [`GeneralizedPlant`](crate::lti::GeneralizedPlant); nothing here knows of vehicles
+//! ([`achievable`] has a quarter car of its own, exact and in polynomials). The control law is
 //! u = +K y everywhere.
 
+pub mod achievable;
 mod assumptions;
 mod certificate;
 mod error;
