@@ -183,7 +183,7 @@ fn lqg_of_travel(car: &QuarterCar, sensor_noise: f64) -> Result<RationalFunction
     let passive = Certificate::passive(&plant)?;
     let weights: Vec<f64> = passive.channels.iter().map(|c| 1.0 / c.h2.unwrap_or(f64::INFINITY)).collect();
     let weights_of =
-        LqgWeights { sensor_noise: vec![sensor_noise], input_weight: vec![0.0], process_noise: 1.0 };
+        LqgWeights { sensor_noise: vec![sensor_noise], input_weight: vec![0.0], ..LqgWeights::default() };
     let found = lqg(&plant.with_weights(&weights)?, &weights_of)?;
     let exact = RationalFunction::of_system(&found.controller)?;
     Ok(exact.into_iter().flatten().next().unwrap_or_else(RationalFunction::zero).rounded()?)
