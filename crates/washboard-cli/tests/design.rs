@@ -138,6 +138,28 @@ fn the_limit_and_an_h_infinity_design_have_their_own_answers() {
 }
 
 #[test]
+fn an_interpolated_design_says_what_it_hides() {
+    let folder = Folder::new("interpolation");
+    let text = "vehicle = \"case:turkay-quarter-car\"\nroad = \"case:turkay-white-velocity\"\nspeed_m_s = 20.0\n\
+                measurements = [\"suspension_travel\"]\nmethod = \"interpolation\"\n[override]\ntire_damping_n_s_per_m = 98.0\n\
+                [interpolation]\nfictitious_tire_damping_n_s_per_m = 1960.0\npsi = [500.0, 10.0]\n";
+    let (status, made, err) = folder.design(text);
+    assert_eq!((status, made["order"].as_u64()), (0, Some(9)), "{err}");
+    let number = |key: &str| made["claimed"][key].as_f64().unwrap();
+    // the notes: matched to 1e-9, tire deflection .003793 against .001651, near 20 times at the wheel's own mode
+    assert!(number("match_error") < 1e-9 && (number("tire_factor_at_wheel_hop") - 20.0).abs() < 0.5);
+    let rms = |of: &str| made[of]["rms"]["tire_deflection"].as_f64().unwrap();
+    assert!((rms("verified") - 0.003793).abs() < 1e-6 && (rms("passive") - 0.0016511).abs() < 1e-7);
+    let warned = made["warnings"].to_string();
+    assert!(warned.contains("hides a mode at 10.61 Hz") && warned.contains("19.78 times"), "{warned}");
+    // without tire damping the wheel's mode can't be moved at all
+    let (status, none, _) = folder.design(&text.replace("= 98.0", "= 0.0"));
+    assert_eq!((status, none["status"].as_str()), (1, Some("infeasible")));
+    let (status, _, err) = folder.design(&text.replace("quarter-car\"", "half-car\""));
+    assert!(status == 2 && err.contains("a quarter car"), "{err}");
+}
+
+#[test]
 fn what_a_design_costs_is_said() {
     let folder = Folder::new("warned");
     let warned = |text: &str, name: &str| {

@@ -29,6 +29,9 @@ pub fn design(spec: &DesignSpec) -> Result<(DesignOutcome, Vec<Input>), StudyErr
     spec.check()?;
     let norm = if spec.method == DesignMethod::Hinf { Norm::Hinf } else { Norm::H2 };
     let problem = Problem::new(spec, norm)?;
+    if spec.method == DesignMethod::Interpolation {
+        super::design_interpolation::check(&problem)?;
+    }
     let fail =
         |source: SynthesisError| StudyError::Design { name: spec.vehicle.clone(), source: Box::new(source) };
     let mut outcome = DesignOutcome {
@@ -50,6 +53,7 @@ pub fn design(spec: &DesignSpec) -> Result<(DesignOutcome, Vec<Input>), StudyErr
     outcome.objective.insert("passive", objective(&problem, norm, &outcome.passive));
     let found = match spec.method {
         DesignMethod::Lqg => by_lqg(&problem, &goal, &mut outcome),
+        DesignMethod::Interpolation => super::design_interpolation::by_interpolation(&problem, &mut outcome),
         DesignMethod::Hinf => by_hinf(&problem, &goal, &mut outcome),
         DesignMethod::H2Limit => by_limit(&problem, &goal, &mut outcome).map(|()| None),
     };
@@ -60,7 +64,9 @@ pub fn design(spec: &DesignSpec) -> Result<(DesignOutcome, Vec<Input>), StudyErr
                 SynthesisError::Refused { .. } => DesignStatus::Refused,
                 // no control at all is a controller of a stable plant: what fails there is the method
                 SynthesisError::NoLevel { .. } if outcome.passive.stable => DesignStatus::Stalled,
-                SynthesisError::Assumptions(_) | SynthesisError::NoLevel { .. } => DesignStatus::Infeasible,
+                SynthesisError::NotAchievable(_)
+                | SynthesisError::Assumptions(_)
+                | SynthesisError::NoLevel { .. } => DesignStatus::Infeasible,
                 _ => DesignStatus::Stalled,
             };
             outcome.why = Some(advice(&e));

@@ -5,7 +5,7 @@ use super::{DesignSpec, Infinite, LoadedRoad, Named, Rms, StudyError, load_road,
 use crate::linalg::C64;
 use crate::lti::{Continuous, GeneralizedPlant, LtiError, StateSpace};
 use crate::units::rad_per_s;
-use crate::vehicle::{Control, Output, PlantSettings, Ride, Variance, Vehicle};
+use crate::vehicle::{Control, Output, PlantSettings, Ride, Variance, Vehicle, VehicleSpec};
 
 /// Where gains are looked at, Hz, evenly in log f.
 const GAINS_HZ: [f64; 2] = [0.05, 50.0];
@@ -14,6 +14,8 @@ const POINTS: usize = 240;
 /// A design made ready.
 pub(super) struct Problem {
     pub spec: DesignSpec,
+    /// The vehicle's file, overrides in it.
+    pub file: VehicleSpec,
     pub vehicle: Vehicle,
     pub road: LoadedRoad,
     /// Outputs with a finite response, all of the vehicle's: what is reported.
@@ -58,6 +60,8 @@ impl Problem {
                 })
                 .map_err(of_file)
         };
+        let overrides: Vec<(String, f64)> = spec.r#override.iter().map(|(n, v)| (n.to_owned(), *v)).collect();
+        let file = loaded.spec.with_overrides(&overrides).map_err(of_file)?;
         let vehicle = build(&Named::default())?;
         let settings = PlantSettings {
             road: &road.road,
@@ -127,7 +131,7 @@ impl Problem {
             goals.push(GoalBlock { name: name.to_owned(), members, weight: *weight, passive });
         }
         let inputs = loaded.inputs.into_iter().chain(road.inputs.clone()).collect();
-        Ok(Problem { spec: spec.clone(), vehicle, road, reported, measurements, goals, plant, inputs })
+        Ok(Problem { spec: spec.clone(), file, vehicle, road, reported, measurements, goals, plant, inputs })
     }
 
     /// What a passive H∞ norm must be above to be more than rounding.

@@ -40,6 +40,9 @@ pub struct DesignSpec {
     /// Noises of `lqg`.
     #[serde(default)]
     pub lqg: LqgSection,
+    /// What `interpolation` copies.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub interpolation: Option<InterpolationSection>,
     /// Step of the controller as it is written for use, s; none without it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub discretize: Option<Discretize>,
@@ -63,6 +66,8 @@ pub enum DesignMethod {
     H2Limit,
     /// The least H∞ norm of all weighted outputs together.
     Hinf,
+    /// A quarter car's acceleration of an LQG design for a tire of more damping, interpolated on the real one.
+    Interpolation,
 }
 
 impl DesignMethod {
@@ -73,6 +78,7 @@ impl DesignMethod {
             DesignMethod::Lqg => "lqg",
             DesignMethod::H2Limit => "h2-limit",
             DesignMethod::Hinf => "hinf",
+            DesignMethod::Interpolation => "interpolation",
         }
     }
 }
@@ -146,6 +152,31 @@ impl Default for LqgSection {
     fn default() -> Self {
         LqgSection { sensor_noise: sensor_noise(), process_noise: process_noise(), cross_term: true }
     }
+}
+
+/// The design that is copied, and where the copy is to hold.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct InterpolationSection {
+    /// Tire damping of the car that the LQG design is made for.
+    pub fictitious_tire_damping_n_s_per_m: f64,
+    /// Up to here Ψ is 1, rad/s …
+    #[serde(default = "band")]
+    pub band_rad_s: f64,
+    /// … to this share.
+    #[serde(default = "tolerance")]
+    pub tolerance: f64,
+    /// Ψ's a, rad/s, and b, (rad/s)², as given; both or none.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub psi: Option<[f64; 2]>,
+}
+
+fn band() -> f64 {
+    100.0
+}
+
+fn tolerance() -> f64 {
+    0.05
 }
 
 /// How a controller is made discrete for use.
@@ -222,15 +253,23 @@ impl DesignSpec {
     ///
     /// # Errors
     /// None given, or given in a norm that the method does not minimise.
-    pub fn weights(&self) -> Result<&Named<f64>, StudyError> {
+    pub fn weights(&self) -> Result<Named<f64>, StudyError> {
         let setting = |field, expected: &str, found: String| StudyError::Setting {
             field,
             expected: expected.to_owned(),
             found,
         };
         let g = &self.goal;
+        if self.method == DesignMethod::Interpolation {
+            if !(g.minimize.is_empty() && g.minimize_h2.is_empty() && g.minimize_hinf.is_empty()) {
+                let expected = "nothing: interpolation copies an LQG design whose three outputs weigh alike";
+                return Err(setting("goal.minimize", expected, "weights".into()));
+            }
+            let all = ["sprung_acceleration", "suspension_travel", "tire_deflection"];
+            return Ok(all.iter().map(|n| ((*n).to_owned(), 1.0)).collect());
+        }
         let (own, own_name, other, other_name) = match self.method {
-            DesignMethod::Lqg | DesignMethod::H2Limit => {
+            DesignMethod::Lqg | DesignMethod::H2Limit | DesignMethod::Interpolation => {
                 (&g.minimize_h2, "goal.minimize_h2", &g.minimize_hinf, "goal.minimize_hinf")
             }
             DesignMethod::Hinf => {
@@ -255,6 +294,6 @@ impl DesignSpec {
         if !weights.iter().any(|(_, w)| *w > 0.0) {
             return Err(setting("goal.minimize", "a weight above 0", "none".into()));
         }
-        Ok(weights)
+        Ok(weights.clone())
     }
 }

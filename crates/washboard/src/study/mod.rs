@@ -11,6 +11,7 @@ mod controller_files;
 mod damping;
 mod demo;
 mod design;
+mod design_interpolation;
 mod design_outcome;
 mod design_problem;
 mod design_spec;

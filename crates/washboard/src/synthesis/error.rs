@@ -33,6 +33,12 @@ pub enum SynthesisError {
         /// Why it failed.
         why: String,
     },
+    /// A quarter car and measurements that have no such design.
+    #[error(transparent)]
+    Achievable(Box<super::achievable::AchievableError>),
+    /// A response that no controller reaches.
+    #[error("not achievable: {0}")]
+    NotAchievable(String),
     /// The closed loop is not what the method claims.
     #[error("the design is refused: {what} is claimed to be {claimed:e} and recomputed as {found:e}")]
     Refused {
