@@ -91,8 +91,12 @@ fn quarter_car_loop(noise: f64) -> Plant {
     let output = |name: &str| car.output(name).unwrap();
     let z = ["sprung_acceleration", "suspension_travel", "tire_deflection"].map(output);
     let y = ["suspension_travel"].map(output);
-    let settings =
-        PlantSettings { road: &road, speed_m_s: 20.0, disturbance: Disturbance::RoadVelocity, delay_order: 4 };
+    let settings = PlantSettings {
+        road: &road,
+        speed_m_s: 20.0,
+        disturbance: Disturbance::RoadVelocity,
+        delay_order: 4,
+    };
     let plant = car.plant(&z, &y, &settings).unwrap();
     let passive = plant.passive().h2_of_outputs().unwrap();
     let weights: Vec<f64> = passive.iter().map(|r| 1.0 / r).collect();

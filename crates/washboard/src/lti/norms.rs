@@ -5,14 +5,14 @@ mod peak;
 
 pub use hinf::HinfNorm;
 
-use super::{Continuous, Discrete, LtiError, StateSpace};
-use crate::linalg::{Mat, discrete_lyapunov, lyapunov};
+use super::{Continuous, Discrete, LtiError, StateSpace, Time};
+use crate::linalg::{LinalgError, Mat, discrete_lyapunov_factor, lyapunov_factor};
 
 /// A feedthrough below this share of the largest entry of C and B is rounding.
 const ROUNDING_OF_D: f64 = 1e-13;
 
 impl StateSpace<Continuous> {
-    /// ‖G‖₂ = √(tr C P Cᵀ) with A P + P Aᵀ + B Bᵀ = 0: the rms of the outputs under unit white noise, and the root of
+    /// ‖G‖₂ = √(tr C P Cᵀ) = ‖C L‖ with A P + P Aᵀ + B Bᵀ = 0, P = L Lᵀ never formed: the rms of the outputs under unit white noise, and the root of
     /// (1/2π)∫ tr G^H G dω.
     ///
     /// # Errors
@@ -30,10 +30,8 @@ impl StateSpace<Continuous> {
         if norm > ROUNDING_OF_D * self.b().norm_max() * self.c().norm_max() {
             return Err(LtiError::NotStrictlyProper { what: "the H2 norm", norm });
         }
-        self.check_stable("the H2 norm")?;
         let g = self.balanced_scales()?.0;
-        let p = lyapunov(g.a(), &symmetric(&(g.b() * g.b().transpose())))?.x;
-        Ok(roots(g.c(), &p))
+        Ok(lengths(g.c(), &stable(&g, lyapunov_factor(g.a(), g.b()))?))
     }
 }
 
@@ -43,29 +41,31 @@ impl StateSpace<Discrete> {
     /// # Errors
     /// A system that is not stable.
     pub fn h2_norm(&self) -> Result<f64, LtiError> {
-        self.check_stable("the H2 norm")?;
         let g = self.balanced_scales()?.0;
-        let p = discrete_lyapunov(g.a(), &symmetric(&(g.b() * g.b().transpose())))?.x;
-        let states: f64 = roots(g.c(), &p).iter().map(|v| v * v).sum();
-        Ok((states + g.d().norm_l2().powi(2)).sqrt())
+        let factor = stable(&g, discrete_lyapunov_factor(g.a(), g.b()))?;
+        Ok((g.c() * factor).norm_l2().hypot(g.d().norm_l2()))
     }
 }
 
-fn symmetric(m: &Mat) -> Mat {
-    Mat::from_fn(m.nrows(), m.ncols(), |i, j| m[(i.min(j), i.max(j))])
+/// The factor of the Gramian, or why there is none.
+fn stable<T: Time>(g: &StateSpace<T>, factor: Result<Mat, LinalgError>) -> Result<Mat, LtiError> {
+    match factor {
+        // the equation's refusal says less than the pole
+        Err(e) => Err(g.check_stable("the H2 norm").err().unwrap_or(e.into())),
+        Ok(l) => Ok(l),
+    }
 }
 
-/// √(c P cᵀ) of each row c.
-fn roots(c: &Mat, p: &Mat) -> Vec<f64> {
-    let cp = c * p;
-    let variance = |i: usize| (0..c.ncols()).map(|j| cp[(i, j)] * c[(i, j)]).sum::<f64>();
-    (0..c.nrows()).map(|i| variance(i).max(0.0).sqrt()).collect()
+/// √(c P cᵀ) = ‖c L‖ of each row c, P = L Lᵀ.
+fn lengths(c: &Mat, l: &Mat) -> Vec<f64> {
+    let cl = c * l;
+    (0..c.nrows()).map(|i| cl.row(i).norm_l2()).collect()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::linalg::integrate;
+    use crate::linalg::{integrate, lyapunov};
 
     fn oscillator(zeta: f64, omega: f64) -> StateSpace<Continuous> {
         let a = Mat::from_fn(2, 2, |i, j| [[0.0, 1.0], [-omega * omega, -2.0 * zeta * omega]][i][j]);
@@ -92,6 +92,10 @@ mod tests {
             StateSpace::continuous(any(5, 5, 0.3), any(5, 2, 1.0), any(3, 5, 2.0), Mat::zeros(3, 2)).unwrap();
         let h2 = g.h2_norm().unwrap();
         assert!((h2 / g.transposed().h2_norm().unwrap() - 1.0).abs() < 1e-12);
+        // the other Gramian, formed: tr BᵀQB with AᵀQ + QA + CᵀC = 0
+        let q = lyapunov(&g.a().transpose().to_owned(), &(g.c().transpose() * g.c())).unwrap().x;
+        let trace: f64 = (0..2).map(|j| (g.b().transpose() * &q * g.b())[(j, j)]).sum();
+        assert!((h2 / trace.sqrt() - 1.0).abs() < 1e-13);
         // ω = tan θ covers the whole axis
         let responder = g.responder().unwrap();
         let density = |theta: f64, out: &mut [f64]| {

@@ -1,7 +1,7 @@
 //! The H∞ norm: local peaks first, then a Hamiltonian's eigenvalues show that nothing stands above them.
 
 use super::peak::{Gain, Hint, hints, largest_singular_value};
-use crate::linalg::{C64, CMat, LinalgError, Mat, RealSchur, solve};
+use crate::linalg::{C64, CMat, LinalgError, Mat, RealSchur, small, solve};
 use crate::lti::connect::blocks;
 use crate::lti::state_space::complex;
 use crate::lti::{Continuous, Discrete, LtiError, Responder, StateSpace, Time};
@@ -19,6 +19,8 @@ const MOST_LEVELS: usize = 50;
 /// The Schur form's rounding moves a lightly damped pole: where the plain solve differs by more than this share, the peak
 /// is climbed once more with it.
 const MOVED: f64 = 1e-10;
+/// Up to this order a solve in slices is faster than faer's.
+const SMALL: usize = 32;
 
 /// The largest gain over frequency, and where.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -134,7 +136,7 @@ fn norm_from<T: Time>(
         raise(&mut best, found);
         raise(&mut best, gain.climb(low, found, high.min(last.0), 0.0));
     }
-    let plain = |w: f64| g.at(g.time().point(w));
+    let plain = |w: f64| plain_solve(g, g.time().point(w));
     let (best, again) = confirmed(best, plain, hints, last.0);
     if !best.1.is_finite() {
         let (what, why) = ("the H∞ norm", "the gain overflows, or a pole stands on the axis, at rad/s");
@@ -142,6 +144,28 @@ fn norm_from<T: Time>(
     }
     let evaluations = gain.evaluations + again;
     Ok(HinfNorm { norm: best.1, omega_rad_s: best.0, evaluations, eigenvalue_problems })
+}
+
+/// G(s) without a Schur form.
+fn plain_solve<T: Time>(g: &StateSpace<T>, s: C64) -> Result<CMat, LtiError> {
+    let (n, m) = (g.order(), g.inputs());
+    if n > SMALL {
+        return g.at(s);
+    }
+    let mut resolvent = vec![C64::new(0.0, 0.0); n * n];
+    for (k, z) in resolvent.iter_mut().enumerate() {
+        let (i, j) = (k / n, k % n);
+        *z = C64::new(-g.a()[(i, j)], 0.0) + if i == j { s } else { C64::new(0.0, 0.0) };
+    }
+    let mut x: Vec<C64> = (0..n * m).map(|k| C64::new(g.b()[(k / m, k % m)], 0.0)).collect();
+    let mut pivots = vec![0; n];
+    if !small::lu(&mut resolvent, &mut pivots) {
+        return g.at(s);
+    }
+    small::lu_solve(&resolvent, &pivots, &mut x, m);
+    let entry =
+        |i: usize, j: usize| (0..n).map(|k| x[k * m + j] * g.c()[(i, k)]).sum::<C64>() + g.d()[(i, j)];
+    Ok(CMat::from_fn(g.outputs(), m, entry))
 }
 
 /// The highest point by the plain solve of sI − A, and how often that was made.
@@ -159,10 +183,7 @@ fn confirmed(
     if (here.1 - best.1).abs() <= MOVED * best.1 || best.0 == 0.0 || best.0 == end {
         return (here, gain.evaluations);
     }
-    let width = hints
-        .iter()
-        .map(|h| (h.omega - best.0).hypot(h.width))
-        .fold(best.0, f64::min);
+    let width = hints.iter().map(|h| (h.omega - best.0).hypot(h.width)).fold(best.0, f64::min);
     let top = gain.climb(best.0 - 0.9 * width, here, (best.0 + 0.9 * width).min(end), 0.1 * width);
     (top, gain.evaluations)
 }
@@ -329,6 +350,87 @@ mod tests {
         assert_eq!(omegas.len(), 2);
         for w in omegas {
             assert!((r.at_frequency(w).unwrap()[(0, 0)].norm() / 0.4 - 1.0).abs() < 1e-12);
+        }
+    }
+
+    /// The highest gain on a grid about each pole, by the plain solve, refined about its best point: a lower bound.
+    fn on_refined_grid(g: &StateSpace<Continuous>) -> f64 {
+        let value = |w: f64| g.at(C64::new(0.0, w)).map_or(0.0, |m| largest_singular_value(&m));
+        let mut omegas: Vec<f64> = (0..400).map(|k| 10f64.powf(-2.0 + 8.0 * f64::from(k) / 400.0)).collect();
+        for p in g.poles().unwrap() {
+            omegas.extend((-80..=80).map(|k| (p.norm() + p.re.abs() * (0.05 * f64::from(k)).sinh()).abs()));
+        }
+        omegas.sort_by(f64::total_cmp);
+        let mut best = 0.0;
+        for _ in 0..6 {
+            let values: Vec<f64> = omegas.iter().map(|w| value(*w)).collect();
+            let k = (0..values.len()).max_by(|i, j| values[*i].total_cmp(&values[*j])).unwrap();
+            best = values[k].max(best);
+            let (low, high) = (omegas[k.saturating_sub(1)], omegas[(k + 1).min(omegas.len() - 1)]);
+            omegas = (0..=100).map(|i| low + (high - low) * f64::from(i) / 100.0).collect();
+        }
+        best
+    }
+
+    /// Three oscillators among fast poles, mixed by a triangular similarity, in states of other units.
+    fn hidden(zeta: f64, units: f64, seed: u64) -> StateSpace<Continuous> {
+        use rand::{Rng, SeedableRng};
+        let mut rng = rand_chacha::ChaCha8Rng::seed_from_u64(seed);
+        let fast = [-2.0, -900.0, -4e4, -3e5];
+        let mut a = Mat::zeros(10, 10);
+        for (k, w) in [0.7, 3.1, 40.0].into_iter().enumerate() {
+            let i = 2 * k;
+            (a[(i, i + 1)], a[(i + 1, i)], a[(i + 1, i + 1)]) = (w, -w, -2.0 * zeta * w);
+        }
+        (0..4).for_each(|k| a[(6 + k, 6 + k)] = fast[k]);
+        let mut any = |r: usize, c: usize| Mat::from_fn(r, c, |_, _| rng.random_range(-1.0..1.0));
+        let (mut b, mut c, f) = (any(10, 2), any(2, 10), any(10, 10));
+        for j in 0..2 {
+            (0..4).for_each(|i| b[(6 + i, j)] *= fast[i]);
+            (0..6).for_each(|i| b[(i, j)] *= 30.0 * zeta);
+        }
+        for (i, j) in (0..10).flat_map(|i| (0..i).map(move |j| (i, j))) {
+            let f = 0.1 * f[(i, j)];
+            (0..10).for_each(|k| a[(i, k)] += f * a[(j, k)]);
+            (0..10).for_each(|k| a[(k, j)] -= f * a[(k, i)]);
+            (0..2).for_each(|k| b[(i, k)] += f * b[(j, k)]);
+            (0..2).for_each(|k| c[(k, j)] -= f * c[(k, i)]);
+        }
+        let scales: Vec<f64> = (0..10).map(|k| units.powf(f[(k, k)])).collect();
+        StateSpace::continuous(a, b, c, Mat::zeros(2, 2)).unwrap().with_states_scaled(&scales).unwrap()
+    }
+
+    #[test]
+    fn light_damping_hidden_among_fast_poles_is_found_in_any_units() {
+        for seed in 0..6 {
+            for zeta in [1e-2, 1e-4, 1e-5, 1e-6] {
+                for units in [1.0, 1e6] {
+                    let g = hidden(zeta, units, seed);
+                    let (found, judge) = (g.hinf_norm().unwrap(), on_refined_grid(&g));
+                    let difference = found.norm / judge - 1.0;
+                    // rounding of A's entries moves Re p by about 1e-16·3e5, which is 1e-8 of it at the least damping
+                    assert!(
+                        difference.abs() < 1e-9 + 1e-14 / zeta,
+                        "{seed} {zeta} {units}: {difference:e} {found:?}"
+                    );
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn poles_near_both_ends_of_the_circle_are_seen() {
+        for eps in [1e-1, 1e-3, 1e-5, 1e-7, 1e-9] {
+            // ε/(z − 1 + ε) + 3ε/(z + 1 − ε), mixed: at z = −1 it is −3 − ε/(2 − ε)
+            let mut a = Mat::from_fn(2, 2, |i, j| if i == j { [1.0 - eps, eps - 1.0][i] } else { 0.0 });
+            a[(0, 1)] = 0.5 * (a[(1, 1)] - a[(0, 0)]);
+            let b = Mat::from_fn(2, 1, |i, _| [eps + 0.5 * 3.0 * eps, 3.0 * eps][i]);
+            let c = Mat::from_fn(1, 2, |_, j| [1.0, 0.5][j]);
+            let g = StateSpace::discrete(a, b, c, Mat::zeros(1, 1), 0.01).unwrap();
+            let found = g.hinf_norm().unwrap();
+            let expected = 3.0 + eps / (2.0 - eps);
+            assert!((found.norm / expected - 1.0).abs() < 1e-12 + 1e-15 / eps, "{eps}: {found:?}");
+            assert!((found.omega_rad_s * 0.01 / std::f64::consts::PI - 1.0).abs() < 1e-9, "{eps}: {found:?}");
         }
     }
 }

@@ -160,7 +160,8 @@ pub(crate) fn largest_singular_value(g: &CMat) -> f64 {
             0.5 * (a + d) + (0.5 * (a - d)).hypot(b)
         }
         _ => {
-            let gram = CMat::from_fn(least, least, |i, j| if i < j { C64::new(0.0, 0.0) } else { gram(i, j) });
+            let gram =
+                CMat::from_fn(least, least, |i, j| if i < j { C64::new(0.0, 0.0) } else { gram(i, j) });
             let values = gram.self_adjoint_eigenvalues(faer::Side::Lower);
             values.ok().and_then(|v| v.last().copied()).unwrap_or(f64::INFINITY)
         }
@@ -209,7 +210,8 @@ mod tests {
     #[test]
     fn a_resonance_of_known_width_is_climbed_in_a_few_steps() {
         let (at, zeta) = (3.0, 1e-5);
-        let response = |w: f64| Ok(CMat::from_fn(1, 1, |_, _| C64::new(at * at - w * w, 2.0 * zeta * at * w).inv()));
+        let response =
+            |w: f64| Ok(CMat::from_fn(1, 1, |_, _| C64::new(at * at - w * w, 2.0 * zeta * at * w).inv()));
         let mut gain = Gain::new(response);
         let start = (at * (1.0 + 0.7 * zeta), gain.at(at * (1.0 + 0.7 * zeta)));
         let (place, height) = gain.climb(0.1, start, 50.0, zeta * at);
