@@ -16,9 +16,10 @@ impl StateSpace<Continuous> {
     /// (1/2π)∫ tr G^H G dω.
     ///
     /// # Errors
-    /// A system that is not stable, feedthrough (the norm is infinite).
+    /// A system that is not stable, feedthrough (the norm is infinite), a norm that overflows.
     pub fn h2_norm(&self) -> Result<f64, LtiError> {
-        Ok(self.h2_of_outputs()?.iter().map(|v| v * v).sum::<f64>().sqrt())
+        let norm = self.h2_of_outputs()?.into_iter().fold(0.0, f64::hypot);
+        finite(norm).map(|()| norm)
     }
 
     /// The H2 norm of each output by itself: its rms under unit white noise at all inputs.
@@ -31,7 +32,9 @@ impl StateSpace<Continuous> {
             return Err(LtiError::NotStrictlyProper { what: "the H2 norm", norm });
         }
         let g = self.balanced_scales()?.0;
-        Ok(lengths(g.c(), &stable(&g, lyapunov_factor(g.a(), g.b()))?))
+        let all = lengths(g.c(), &stable(&g, lyapunov_factor(g.a(), g.b()))?);
+        all.iter().try_for_each(|v| finite(*v))?;
+        Ok(all)
     }
 }
 
@@ -43,8 +46,17 @@ impl StateSpace<Discrete> {
     pub fn h2_norm(&self) -> Result<f64, LtiError> {
         let g = self.balanced_scales()?.0;
         let factor = stable(&g, discrete_lyapunov_factor(g.a(), g.b()))?;
-        Ok((g.c() * factor).norm_l2().hypot(g.d().norm_l2()))
+        let norm = (g.c() * factor).norm_l2().hypot(g.d().norm_l2());
+        finite(norm).map(|()| norm)
     }
+}
+
+/// Refuses a norm that overflowed.
+fn finite(value: f64) -> Result<(), LtiError> {
+    if value.is_finite() {
+        return Ok(());
+    }
+    Err(LinalgError::NotFinite { name: "the H2 norm", row: 0, col: 0, value }.into())
 }
 
 /// The factor of the Gramian, or why there is none.

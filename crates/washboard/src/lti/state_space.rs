@@ -146,12 +146,15 @@ impl<T: Time> StateSpace<T> {
         self.d.nrows()
     }
 
-    /// The eigenvalues of A, in no particular order.
+    /// The eigenvalues of A, in no particular order; states are balanced for it, so that their units do not matter.
     ///
     /// # Errors
     /// An iteration that does not converge.
     pub fn poles(&self) -> Result<Vec<C64>, LtiError> {
-        Ok(RealSchur::new(&self.a)?.eigenvalues())
+        let (n, time) = (self.order(), self.time);
+        // by A alone: what scales B and C is not to disturb it
+        let bare = Self::new(self.a.clone(), Mat::zeros(n, 0), Mat::zeros(0, n), Mat::zeros(0, 0), time)?;
+        Ok(RealSchur::only_eigenvalues(&bare.balanced_scales()?.0.a)?)
     }
 
     /// The pole nearest to instability, and how far inside the stable region it is (negative outside); none without states.

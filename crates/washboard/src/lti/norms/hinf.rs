@@ -165,7 +165,10 @@ fn plain_solve<T: Time>(g: &StateSpace<T>, s: C64) -> Result<CMat, LtiError> {
     small::lu_solve(&resolvent, &pivots, &mut x, m);
     let entry =
         |i: usize, j: usize| (0..n).map(|k| x[k * m + j] * g.c()[(i, k)]).sum::<C64>() + g.d()[(i, j)];
-    Ok(CMat::from_fn(g.outputs(), m, entry))
+    let found = CMat::from_fn(g.outputs(), m, entry);
+    let finite = |z: C64| z.re.is_finite() && z.im.is_finite();
+    let all = (0..m).all(|j| (0..g.outputs()).all(|i| finite(found[(i, j)])));
+    if all { Ok(found) } else { g.at(s) }
 }
 
 /// The highest point by the plain solve of sI − A, and how often that was made.

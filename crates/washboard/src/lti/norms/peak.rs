@@ -166,7 +166,7 @@ pub(crate) fn largest_singular_value(g: &CMat) -> f64 {
             values.ok().and_then(|v| v.last().copied()).unwrap_or(f64::INFINITY)
         }
     };
-    size * largest.max(0.0).sqrt()
+    if largest.is_nan() { f64::INFINITY } else { size * largest.max(0.0).sqrt() }
 }
 
 /// Where a pole has its peak, and how wide that is.
