@@ -105,6 +105,7 @@ fn norm_from<T: Time>(
     let mut gain = Gain::new(|w| responder.at_frequency(w));
     if g.order() == 0 || g.inputs() == 0 || g.outputs() == 0 {
         let norm = largest_singular_value(&complex(g.d()));
+        finite((0.0, norm))?;
         return Ok(HinfNorm { norm, omega_rad_s: 0.0, evaluations: 0, eigenvalue_problems: 0 });
     }
     let mut best = last;
@@ -138,10 +139,7 @@ fn norm_from<T: Time>(
     }
     let plain = |w: f64| plain_solve(g, g.time().point(w));
     let (best, again) = confirmed(best, plain, hints, last.0);
-    if !best.1.is_finite() {
-        let (what, why) = ("the H∞ norm", "the gain overflows, or a pole stands on the axis, at rad/s");
-        return Err(LinalgError::Singular { what, why, value: best.0 }.into());
-    }
+    finite(best)?;
     let evaluations = gain.evaluations + again;
     Ok(HinfNorm { norm: best.1, omega_rad_s: best.0, evaluations, eigenvalue_problems })
 }
@@ -189,6 +187,15 @@ fn confirmed(
     let width = hints.iter().map(|h| (h.omega - best.0).hypot(h.width)).fold(best.0, f64::min);
     let top = gain.climb(best.0 - 0.9 * width, here, (best.0 + 0.9 * width).min(end), 0.1 * width);
     (top, gain.evaluations)
+}
+
+/// Refuses a gain that is not a number.
+fn finite((omega, norm): (f64, f64)) -> Result<(), LtiError> {
+    if norm.is_finite() {
+        return Ok(());
+    }
+    let (what, why) = ("the H∞ norm", "the gain overflows, or a pole stands on the axis, at rad/s");
+    Err(LinalgError::Singular { what, why, value: omega }.into())
 }
 
 fn raise(best: &mut (f64, f64), found: (f64, f64)) {

@@ -150,8 +150,7 @@ pub(crate) fn largest_singular_value(g: &CMat) -> f64 {
     }
     // the Gram matrix of the smaller side: the largest value loses nothing by squaring
     let (least, long) = (p.min(m), p.max(m));
-    let inverse = 1.0 / size;
-    let entry = |i: usize, k: usize| (if p < m { g[(i, k)] } else { g[(k, i)].conj() }) * inverse;
+    let entry = |i: usize, k: usize| (if p < m { g[(i, k)] } else { g[(k, i)].conj() }) / size;
     let gram = |i: usize, j: usize| (0..long).map(|k| entry(i, k) * entry(j, k).conj()).sum::<C64>();
     let largest = match least {
         1 => gram(0, 0).re,
