@@ -1,9 +1,9 @@
 //! Systems joined: in series, in parallel, side by side, in feedback, through a linear fractional transformation.
 
 use super::{LtiError, StateSpace, Time};
-use crate::linalg::{LinalgError, Mat, solve};
+use crate::linalg::{Mat, condition_estimate, solve};
 
-/// A loop whose I − D₁D₂ has a smaller reciprocal condition number is not well posed.
+/// A loop whose I − D₁D₂ has a smaller reciprocal condition number (in the 1-norm) is not well posed.
 const LEAST_RCOND: f64 = 1e-12;
 
 impl<T: Time> StateSpace<T> {
@@ -122,7 +122,7 @@ impl<T: Time> StateSpace<T> {
         let (d21, d22) = (cut(self.d(), nz, 0, ny, nw), cut(self.d(), nz, nw, ny, nu));
         let (ak, bk, ck, dk) = (controller.a(), controller.b(), controller.c(), controller.d());
         let loop_y = Mat::identity(ny, ny) - &d22 * dk;
-        let rcond = if ny == 0 { 1.0 } else { reciprocal_condition(&loop_y)? };
+        let rcond = 1.0 / condition_estimate(&loop_y)?;
         if !(rcond > LEAST_RCOND) {
             return Err(LtiError::IllPosed { what: "the loop of plant and controller", rcond });
         }
@@ -146,7 +146,7 @@ impl<T: Time> StateSpace<T> {
     /// A system that is not square, or a D whose reciprocal condition is below 1e-12.
     pub fn inverse(&self) -> Result<Self, LtiError> {
         expect("inverse, outputs", self.inputs(), self.outputs())?;
-        let rcond = if self.inputs() == 0 { 1.0 } else { reciprocal_condition(self.d())? };
+        let rcond = 1.0 / condition_estimate(self.d())?;
         if !(rcond > LEAST_RCOND) {
             return Err(LtiError::IllPosed { what: "the inverse", rcond });
         }
@@ -162,14 +162,6 @@ impl<T: Time> StateSpace<T> {
         let (expected, found) = (format!("{:?}", self.time()), format!("{:?}", other.time()));
         Err(LtiError::Join { what: "systems in different times", expected, found })
     }
-}
-
-/// σ_min/σ_max.
-fn reciprocal_condition(m: &Mat) -> Result<f64, LinalgError> {
-    let values =
-        m.singular_values().map_err(|_| LinalgError::NoConvergence { what: "the SVD", order: m.nrows() })?;
-    let (largest, least) = (values.first().copied().unwrap_or(1.0), values.last().copied().unwrap_or(1.0));
-    Ok(if largest > 0.0 { least / largest } else { 0.0 })
 }
 
 fn expect(what: &'static str, expected: usize, found: usize) -> Result<(), LtiError> {

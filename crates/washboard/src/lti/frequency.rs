@@ -1,6 +1,5 @@
 //! Frequency responses: one Schur form, then a triangular solve a frequency.
 
-use super::state_space::complex;
 use super::{LtiError, StateSpace, Time};
 use crate::linalg::{C64, CMat, Mat, RealSchur};
 
@@ -8,9 +7,10 @@ use crate::linalg::{C64, CMat, Mat, RealSchur};
 #[derive(Debug, Clone)]
 pub struct Responder<T: Time> {
     t: Mat,
-    b: CMat,
-    c: CMat,
-    d: CMat,
+    b: Mat,
+    /// Cᵀ.
+    c: Mat,
+    d: Mat,
     blocks: Vec<(usize, usize)>,
     time: T,
 }
@@ -21,15 +21,19 @@ impl<T: Time> StateSpace<T> {
     /// # Errors
     /// A Schur form that does not converge.
     pub fn responder(&self) -> Result<Responder<T>, LtiError> {
-        let schur = RealSchur::new(self.a())?;
-        Ok(Responder {
+        Ok(self.responder_on(RealSchur::new(self.a())?))
+    }
+
+    /// The same on the Schur form of A where that is at hand.
+    pub(super) fn responder_on(&self, schur: RealSchur) -> Responder<T> {
+        Responder {
             blocks: schur.blocks(),
-            b: complex(&(schur.q.transpose() * self.b())),
-            c: complex(&(self.c() * &schur.q)),
-            d: complex(self.d()),
+            b: schur.q.transpose() * self.b(),
+            c: schur.q.transpose() * self.c().transpose(),
+            d: self.d().clone(),
             t: schur.t,
             time: self.time(),
-        })
+        }
     }
 
     /// G at frequencies in rad/s (outputs × inputs each).
@@ -56,27 +60,40 @@ impl<T: Time> Responder<T> {
     /// # Errors
     /// A pole exactly there.
     pub fn at(&self, s: C64) -> Result<CMat, LtiError> {
-        let (n, m) = (self.t.nrows(), self.b.ncols());
-        let mut x = self.b.clone();
+        let (n, m, p) = (self.t.nrows(), self.d.ncols(), self.d.nrows());
+        let mut g = CMat::from_fn(p, m, |i, j| C64::new(self.d[(i, j)], 0.0));
+        // x apart in its real and imaginary part: then T's columns are taken off four numbers at a time
+        let (mut re, mut im) = (vec![0.0; n], vec![0.0; n]);
         for j in 0..m {
+            re.copy_from_slice(self.b.col_as_slice(j));
+            im.fill(0.0);
             for (k, size) in self.blocks.iter().rev().copied() {
-                let after = k + size;
-                let rest = |x: &CMat, i: usize| {
-                    (after..n).fold(x[(i, j)], |sum, l| sum + x[(l, j)] * self.t[(i, l)])
-                };
                 if size == 1 {
-                    x[(k, j)] = rest(&x, k) / (s - self.t[(k, k)]);
+                    let x = C64::new(re[k], im[k]) / (s - self.t[(k, k)]);
+                    (re[k], im[k]) = (x.re, x.im);
                 } else {
-                    let (r1, r2) = (rest(&x, k), rest(&x, k + 1));
+                    let (r1, r2) = (C64::new(re[k], im[k]), C64::new(re[k + 1], im[k + 1]));
                     let (p, q) = (s - self.t[(k, k)], s - self.t[(k + 1, k + 1)]);
                     let (u, l) = (self.t[(k, k + 1)], self.t[(k + 1, k)]);
                     let det = p * q - u * l;
-                    x[(k, j)] = (q * r1 + r2 * u) / det;
-                    x[(k + 1, j)] = (p * r2 + r1 * l) / det;
+                    let (x, y) = ((q * r1 + r2 * u) / det, (p * r2 + r1 * l) / det);
+                    (re[k], im[k], re[k + 1], im[k + 1]) = (x.re, x.im, y.re, y.im);
+                }
+                for l in k..k + size {
+                    let column = &self.t.col_as_slice(l)[..k];
+                    let (x, y) = (re[l], im[l]);
+                    re[..k].iter_mut().zip(column).for_each(|(r, t)| *r += x * t);
+                    im[..k].iter_mut().zip(column).for_each(|(r, t)| *r += y * t);
                 }
             }
+            for i in 0..p {
+                let (mut x, mut y) = (0.0, 0.0);
+                for ((c, r), v) in self.c.col_as_slice(i).iter().zip(&re).zip(&im) {
+                    (x, y) = (x + c * r, y + c * v);
+                }
+                g[(i, j)] += C64::new(x, y);
+            }
         }
-        let g = &self.c * x + &self.d;
         for j in 0..g.ncols() {
             for i in 0..g.nrows() {
                 if !(g[(i, j)].re.is_finite() && g[(i, j)].im.is_finite()) {

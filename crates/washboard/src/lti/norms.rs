@@ -5,20 +5,21 @@ mod peak;
 
 pub use hinf::HinfNorm;
 
-use super::{Continuous, Discrete, LtiError, StateSpace};
-use crate::linalg::{Mat, discrete_lyapunov, lyapunov};
+use super::{Continuous, Discrete, LtiError, StateSpace, Time};
+use crate::linalg::{LinalgError, Mat, discrete_lyapunov_factor, lyapunov_factor};
 
 /// A feedthrough below this share of the largest entry of C and B is rounding.
 const ROUNDING_OF_D: f64 = 1e-13;
 
 impl StateSpace<Continuous> {
-    /// ‖G‖₂ = √(tr C P Cᵀ) with A P + P Aᵀ + B Bᵀ = 0: the rms of the outputs under unit white noise, and the root of
+    /// ‖G‖₂ = √(tr C P Cᵀ) = ‖C L‖ with A P + P Aᵀ + B Bᵀ = 0, P = L Lᵀ never formed: the rms of the outputs under unit white noise, and the root of
     /// (1/2π)∫ tr G^H G dω.
     ///
     /// # Errors
-    /// A system that is not stable, feedthrough (the norm is infinite).
+    /// A system that is not stable, feedthrough (the norm is infinite), a norm that overflows.
     pub fn h2_norm(&self) -> Result<f64, LtiError> {
-        Ok(self.h2_of_outputs()?.iter().map(|v| v * v).sum::<f64>().sqrt())
+        let norm = self.h2_of_outputs()?.into_iter().fold(0.0, f64::hypot);
+        finite(norm).map(|()| norm)
     }
 
     /// The H2 norm of each output by itself: its rms under unit white noise at all inputs.
@@ -30,10 +31,10 @@ impl StateSpace<Continuous> {
         if norm > ROUNDING_OF_D * self.b().norm_max() * self.c().norm_max() {
             return Err(LtiError::NotStrictlyProper { what: "the H2 norm", norm });
         }
-        self.check_stable("the H2 norm")?;
         let g = self.balanced_scales()?.0;
-        let p = lyapunov(g.a(), &symmetric(&(g.b() * g.b().transpose())))?.x;
-        Ok(roots(g.c(), &p))
+        let all = lengths(g.c(), &stable(&g, lyapunov_factor(g.a(), g.b()))?);
+        all.iter().try_for_each(|v| finite(*v))?;
+        Ok(all)
     }
 }
 
@@ -43,29 +44,40 @@ impl StateSpace<Discrete> {
     /// # Errors
     /// A system that is not stable.
     pub fn h2_norm(&self) -> Result<f64, LtiError> {
-        self.check_stable("the H2 norm")?;
         let g = self.balanced_scales()?.0;
-        let p = discrete_lyapunov(g.a(), &symmetric(&(g.b() * g.b().transpose())))?.x;
-        let states: f64 = roots(g.c(), &p).iter().map(|v| v * v).sum();
-        Ok((states + g.d().norm_l2().powi(2)).sqrt())
+        let factor = stable(&g, discrete_lyapunov_factor(g.a(), g.b()))?;
+        let norm = (g.c() * factor).norm_l2().hypot(g.d().norm_l2());
+        finite(norm).map(|()| norm)
     }
 }
 
-fn symmetric(m: &Mat) -> Mat {
-    Mat::from_fn(m.nrows(), m.ncols(), |i, j| m[(i.min(j), i.max(j))])
+/// Refuses a norm that overflowed.
+fn finite(value: f64) -> Result<(), LtiError> {
+    if value.is_finite() {
+        return Ok(());
+    }
+    Err(LinalgError::NotFinite { name: "the H2 norm", row: 0, col: 0, value }.into())
 }
 
-/// √(c P cᵀ) of each row c.
-fn roots(c: &Mat, p: &Mat) -> Vec<f64> {
-    let cp = c * p;
-    let variance = |i: usize| (0..c.ncols()).map(|j| cp[(i, j)] * c[(i, j)]).sum::<f64>();
-    (0..c.nrows()).map(|i| variance(i).max(0.0).sqrt()).collect()
+/// The factor of the Gramian, or why there is none.
+fn stable<T: Time>(g: &StateSpace<T>, factor: Result<Mat, LinalgError>) -> Result<Mat, LtiError> {
+    match factor {
+        // the equation's refusal says less than the pole
+        Err(e) => Err(g.check_stable("the H2 norm").err().unwrap_or(e.into())),
+        Ok(l) => Ok(l),
+    }
+}
+
+/// √(c P cᵀ) = ‖c L‖ of each row c, P = L Lᵀ.
+fn lengths(c: &Mat, l: &Mat) -> Vec<f64> {
+    let cl = c * l;
+    (0..c.nrows()).map(|i| cl.row(i).norm_l2()).collect()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::linalg::integrate;
+    use crate::linalg::{integrate, lyapunov};
 
     fn oscillator(zeta: f64, omega: f64) -> StateSpace<Continuous> {
         let a = Mat::from_fn(2, 2, |i, j| [[0.0, 1.0], [-omega * omega, -2.0 * zeta * omega]][i][j]);
@@ -92,6 +104,10 @@ mod tests {
             StateSpace::continuous(any(5, 5, 0.3), any(5, 2, 1.0), any(3, 5, 2.0), Mat::zeros(3, 2)).unwrap();
         let h2 = g.h2_norm().unwrap();
         assert!((h2 / g.transposed().h2_norm().unwrap() - 1.0).abs() < 1e-12);
+        // the other Gramian, formed: tr BᵀQB with AᵀQ + QA + CᵀC = 0
+        let q = lyapunov(&g.a().transpose().to_owned(), &(g.c().transpose() * g.c())).unwrap().x;
+        let trace: f64 = (0..2).map(|j| (g.b().transpose() * &q * g.b())[(j, j)]).sum();
+        assert!((h2 / trace.sqrt() - 1.0).abs() < 1e-13);
         // ω = tan θ covers the whole axis
         let responder = g.responder().unwrap();
         let density = |theta: f64, out: &mut [f64]| {

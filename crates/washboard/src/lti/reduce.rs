@@ -2,7 +2,7 @@
 
 use super::connect::cut;
 use super::{Continuous, LtiError, StateSpace};
-use crate::linalg::{LinalgError, Mat, RealSchur, lyapunov, sylvester};
+use crate::linalg::{LinalgError, Mat, RealSchur, lyapunov_factor, sylvester};
 
 /// Hankel singular values below this share of the largest are not divided by: their states are not in the response.
 const LEAST_HANKEL: f64 = 1e-14;
@@ -70,12 +70,14 @@ pub(super) struct Balanced {
 }
 
 /// The controllability and observability Gramians of (A, B, C) equal and diagonal, and the first states.
+///
+/// From the Gramians' factors, which are never multiplied out: small Hankel singular values keep their digits.
 pub(super) fn balanced(a: &Mat, b: &Mat, c: &Mat, order: usize, least: f64) -> Result<Balanced, LinalgError> {
     if a.nrows() == 0 {
         return Ok(Balanced { a: a.clone(), b: b.clone(), c: c.clone(), hankel: Vec::new() });
     }
-    let controllable = half(&lyapunov(a, &(b * b.transpose()))?.x)?;
-    let observable = half(&lyapunov(&a.transpose().to_owned(), &(c.transpose() * c))?.x)?;
+    let controllable = lyapunov_factor(a, b)?;
+    let observable = lyapunov_factor(&a.transpose().to_owned(), &c.transpose().to_owned())?;
     let product = observable.transpose() * &controllable;
     let svd =
         product.svd().map_err(|_| LinalgError::NoConvergence { what: "the SVD", order: product.nrows() })?;
@@ -88,21 +90,6 @@ pub(super) fn balanced(a: &Mat, b: &Mat, c: &Mat, order: usize, least: f64) -> R
     let t = &controllable * right;
     let t_inverse = (&observable * left).transpose().to_owned();
     Ok(Balanced { a: &t_inverse * a * &t, b: &t_inverse * b, c: c * &t, hankel })
-}
-
-/// R with R Rᵀ = W for a positive semidefinite W.
-fn half(w: &Mat) -> Result<Mat, LinalgError> {
-    let n = w.nrows();
-    let e = w
-        .self_adjoint_eigen(faer::Side::Lower)
-        .map_err(|_| LinalgError::NoConvergence { what: "the symmetric QR algorithm", order: n })?;
-    let (u, s) = (e.U(), e.S().column_vector());
-    let largest = s[n - 1];
-    if !(s[0] >= -1e-9 * largest.abs()) {
-        let why = "the system is not stable: its Gramian is not positive";
-        return Err(LinalgError::Singular { what: "balancing", why, value: s[0] });
-    }
-    Ok(Mat::from_fn(n, n, |i, j| u[(i, j)] * s[j].max(0.0).sqrt()))
 }
 
 #[cfg(test)]
@@ -151,5 +138,16 @@ mod tests {
         assert!((sum - g.at(at).unwrap()).norm_l2() < 1e-13);
         assert_eq!(g.balanced_truncation(3).unwrap().system.order(), 3);
         assert!(g.balanced_truncation(0).is_err());
+    }
+
+    #[test]
+    fn small_hankel_values_keep_their_digits() {
+        // of diag(1/(s + 1), 1e-11/(s + 1)) they are 1/2 and 1e-11/2; Gramians multiplied out would lose the second one's
+        let two = |x: f64, y: f64| Mat::from_fn(2, 2, |i, j| if i == j { [x, y][i] } else { 0.0 });
+        let turn = Mat::from_fn(2, 2, |i, j| [[0.6, -0.8], [0.8, 0.6]][i][j]);
+        let (b, c) = (&turn * two(1.0, 1e-6), two(1.0, 1e-5) * turn.transpose());
+        let hankel = balanced(&two(-1.0, -1.0), &b, &c, 2, LEAST_HANKEL).unwrap().hankel;
+        assert!((hankel[0] / 0.5 - 1.0).abs() < 1e-14, "{hankel:?}");
+        assert!((hankel[1] / 0.5e-11 - 1.0).abs() < 1e-4, "{hankel:?}");
     }
 }

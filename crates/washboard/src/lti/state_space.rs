@@ -146,12 +146,15 @@ impl<T: Time> StateSpace<T> {
         self.d.nrows()
     }
 
-    /// The eigenvalues of A, in no particular order.
+    /// The eigenvalues of A, in no particular order; states are balanced for it, so that their units do not matter.
     ///
     /// # Errors
     /// An iteration that does not converge.
     pub fn poles(&self) -> Result<Vec<C64>, LtiError> {
-        Ok(RealSchur::new(&self.a)?.eigenvalues())
+        let (n, time) = (self.order(), self.time);
+        // by A alone: what scales B and C is not to disturb it
+        let bare = Self::new(self.a.clone(), Mat::zeros(n, 0), Mat::zeros(0, n), Mat::zeros(0, 0), time)?;
+        Ok(RealSchur::only_eigenvalues(&bare.balanced_scales()?.0.a)?)
     }
 
     /// The pole nearest to instability, and how far inside the stable region it is (negative outside); none without states.
@@ -159,8 +162,11 @@ impl<T: Time> StateSpace<T> {
     /// # Errors
     /// An iteration that does not converge.
     pub fn least_stable_pole(&self) -> Result<Option<(C64, f64)>, LtiError> {
-        let poles = self.poles()?.into_iter().map(|p| (p, self.time.margin(p)));
-        Ok(poles.min_by(|x, y| x.1.total_cmp(&y.1)))
+        Ok(self.least_stable(&self.poles()?))
+    }
+
+    fn least_stable(&self, poles: &[C64]) -> Option<(C64, f64)> {
+        poles.iter().map(|p| (*p, self.time.margin(*p))).min_by(|x, y| x.1.total_cmp(&y.1))
     }
 
     /// Whether all poles are inside the stable region.
@@ -176,7 +182,12 @@ impl<T: Time> StateSpace<T> {
     /// # Errors
     /// [`LtiError::NotStable`] with the pole.
     pub fn check_stable(&self, what: &'static str) -> Result<(), LtiError> {
-        match self.least_stable_pole()? {
+        self.check_poles(what, &self.poles()?)
+    }
+
+    /// The same where the poles are known.
+    pub(super) fn check_poles(&self, what: &'static str, poles: &[C64]) -> Result<(), LtiError> {
+        match self.least_stable(poles) {
             Some((pole, margin)) if !(margin > 0.0) => Err(LtiError::NotStable { what, pole, margin }),
             _ => Ok(()),
         }

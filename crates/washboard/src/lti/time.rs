@@ -20,6 +20,8 @@ pub trait Time: Copy + Debug + PartialEq + Send + Sync + 'static {
     fn point(self, omega_rad_s: f64) -> C64;
     /// How far inside the stable region a pole lies: −Re λ, or 1 − |λ|; negative outside.
     fn margin(self, pole: C64) -> f64;
+    /// Where a pole's peak lies on the axis of frequencies, and half its width, both in rad/s.
+    fn peak(self, pole: C64) -> (f64, f64);
     /// The point at infinite frequency: none, or −1.
     fn last_point(self) -> Option<C64>;
 }
@@ -31,6 +33,11 @@ impl Time for Continuous {
 
     fn margin(self, pole: C64) -> f64 {
         -pole.re
+    }
+
+    fn peak(self, pole: C64) -> (f64, f64) {
+        let square = (pole.im - pole.re) * (pole.im + pole.re);
+        (if square > 0.0 { square.sqrt() } else { pole.norm() }, pole.re.abs())
     }
 
     fn last_point(self) -> Option<C64> {
@@ -46,6 +53,10 @@ impl Time for Discrete {
 
     fn margin(self, pole: C64) -> f64 {
         1.0 - pole.norm()
+    }
+
+    fn peak(self, pole: C64) -> (f64, f64) {
+        (pole.arg().abs() / self.dt_s, (1.0 - pole.norm()).abs() / self.dt_s)
     }
 
     fn last_point(self) -> Option<C64> {

@@ -3,6 +3,7 @@
 #![allow(clippy::unwrap_used)]
 
 mod dampers;
+mod lti;
 mod ride;
 mod sensors;
 mod simulate;

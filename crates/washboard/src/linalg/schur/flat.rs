@@ -3,7 +3,7 @@
 
 use super::Mat;
 use super::block::Rotation;
-use std::ops::{Index, IndexMut};
+use std::ops::{Index, IndexMut, Range};
 
 /// A square matrix, column-major.
 #[derive(Debug, Clone)]
@@ -46,10 +46,10 @@ impl Flat {
         Mat::from_fn(self.order, self.order, |i, j| self[(i, j)])
     }
 
-    /// Rows k and on, columns `k..`, times I − τ v vᵀ from the left; v has two or three entries, v₀ = 1.
-    pub fn reflect_rows(&mut self, v: &[f64], tau: f64, k: usize) {
+    /// Rows k and on, columns `k..to`, times I − τ v vᵀ from the left; v has two or three entries, v₀ = 1.
+    pub fn reflect_rows(&mut self, v: &[f64], tau: f64, k: usize, to: usize) {
         let n = self.order;
-        let columns = self.values[k * n..].chunks_exact_mut(n);
+        let columns = self.values[k * n..to * n].chunks_exact_mut(n);
         match *v {
             [_, v1, v2] => {
                 let (t1, t2) = (tau * v1, tau * v2);
@@ -75,16 +75,16 @@ impl Flat {
         }
     }
 
-    /// Columns k and on, rows `..to`, times I − τ v vᵀ from the right.
-    pub fn reflect_cols(&mut self, v: &[f64], tau: f64, k: usize, to: usize) {
+    /// Columns k and on, `rows`, times I − τ v vᵀ from the right.
+    pub fn reflect_cols(&mut self, v: &[f64], tau: f64, k: usize, rows: Range<usize>) {
         let n = self.order;
         let (first, rest) = self.values[k * n..(k + v.len()) * n].split_at_mut(n);
         let (second, third) = rest.split_at_mut(n);
-        let pairs = first[..to].iter_mut().zip(&mut second[..to]);
+        let pairs = first[rows.clone()].iter_mut().zip(&mut second[rows.clone()]);
         match *v {
             [_, v1, v2] => {
                 let (t1, t2) = (tau * v1, tau * v2);
-                for ((x, y), z) in pairs.zip(&mut third[..to]) {
+                for ((x, y), z) in pairs.zip(&mut third[rows]) {
                     let sum = *x + v1 * *y + v2 * *z;
                     *x -= tau * sum;
                     *y -= t1 * sum;

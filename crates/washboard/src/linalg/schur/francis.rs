@@ -16,10 +16,17 @@ const BLOCK: usize = 16;
 
 /// Q and H with A = Q H Qᵀ, H upper Hessenberg.
 pub(super) fn hessenberg(a: &Mat) -> (Mat, Mat) {
+    let mut q = Mat::identity(a.nrows(), a.nrows());
+    let h = reduced(a, Some(&mut q));
+    (q, h)
+}
+
+/// H of A = Q H Qᵀ, and an identity turned into Q where one is given.
+fn reduced(a: &Mat, q: Option<&mut Mat>) -> Mat {
     let n = a.nrows();
-    let (mut h, mut q) = (a.clone(), Mat::identity(n, n));
+    let mut h = a.clone();
     if n < 3 {
-        return (q, h);
+        return h;
     }
     let block = BLOCK.min(n - 1);
     let mut factors = Mat::zeros(block, n - 1);
@@ -28,18 +35,20 @@ pub(super) fn hessenberg(a: &Mat) -> (Mat, Mat) {
     let mut memory = MemBuffer::new(memory);
     let stack = MemStack::new(&mut memory);
     hessenberg_in_place(h.as_mut(), factors.as_mut(), Par::Seq, stack, Default::default());
-    apply_block_householder_sequence_on_the_right_in_place_with_conj(
-        h.submatrix(1, 0, n - 1, n - 1),
-        factors.as_ref(),
-        Conj::No,
-        q.submatrix_mut(1, 1, n - 1, n - 1),
-        Par::Seq,
-        stack,
-    );
+    if let Some(q) = q {
+        apply_block_householder_sequence_on_the_right_in_place_with_conj(
+            h.submatrix(1, 0, n - 1, n - 1),
+            factors.as_ref(),
+            Conj::No,
+            q.submatrix_mut(1, 1, n - 1, n - 1),
+            Par::Seq,
+            stack,
+        );
+    }
     for j in 0..n {
         h.col_as_slice_mut(j)[(j + 2).min(n)..].fill(0.0);
     }
-    (q, h)
+    h
 }
 
 /// Overwrites x by v, v₀ = 1, such that (I − τ v vᵀ) x = β e₁; τ = 0 where x already has that form.
@@ -81,23 +90,37 @@ pub(super) fn reflect_cols(a: &mut Mat, v: &[f64], tau: f64, at: usize, to: usiz
     }
 }
 
-/// Brings the Hessenberg matrix H to real Schur form in place, and carries every step into Q.
+/// Brings the Hessenberg matrix H to real Schur form, and carries every step into Q.
 pub(super) fn iterate(q: Mat, h: Mat) -> Result<(Mat, Mat), LinalgError> {
+    let (mut q, mut h) = (Flat::from(&q), Flat::from(&h));
+    deflate_all(Some(&mut q), &mut h)?;
+    Ok((q.into_mat(), h.into_mat()))
+}
+
+/// The diagonal blocks of A's Schur form alone, in a matrix whose other entries mean nothing: no step is carried
+/// beyond the active block, a third of the work.
+pub(super) fn diagonal_blocks(a: &Mat) -> Result<Mat, LinalgError> {
+    let mut h = Flat::from(&reduced(a, None));
+    deflate_all(None, &mut h)?;
+    Ok(h.into_mat())
+}
+
+/// The iteration on a Hessenberg matrix; without a Q the blocks of the result only.
+fn deflate_all(mut q: Option<&mut Flat>, h: &mut Flat) -> Result<(), LinalgError> {
     const SWEEPS_PER_EIGENVALUE: usize = 30; // LAPACK's limit; three are usual
     const EXCEPTIONAL: usize = 10; // an exceptional shift after so many sweeps without deflation
-    let (mut q, mut h) = (Flat::from(&q), Flat::from(&h));
     let n = h.order();
     let limit = SWEEPS_PER_EIGENVALUE * n.max(10);
     let (mut end, mut stuck, mut total) = (n, 0usize, 0usize);
     // h[..end] is still to be done; the active block is start..end
     while end > 0 {
-        let start = deflate(&mut h, end);
+        let start = deflate(h, end);
         if start + 1 == end {
             (end, stuck) = (start, 0);
             continue;
         }
         if start + 2 == end {
-            standardise_at(&mut q, &mut h, start);
+            standardise_at(q.as_deref_mut(), h, start);
             (end, stuck) = (start, 0);
             continue;
         }
@@ -115,18 +138,20 @@ pub(super) fn iterate(q: Mat, h: Mat) -> Result<(Mat, Mat), LinalgError> {
         } else {
             Shifts::of(h[(last - 1, last - 1)], h[(last - 1, last)], h[(last, last - 1)], h[(last, last)])
         };
-        sweep(&mut q, &mut h, start, end, &shifts);
+        sweep(q.as_deref_mut(), h, start, end, &shifts);
     }
-    Ok((q.into_mat(), h.into_mat()))
+    Ok(())
 }
 
 /// Standardises the block of H at (k, k) and carries the rotation through H and Q.
-fn standardise_at(q: &mut Flat, h: &mut Flat, k: usize) {
+fn standardise_at(q: Option<&mut Flat>, h: &mut Flat, k: usize) {
     let ([a, b, c, d], turn) = standardise(h[(k, k)], h[(k, k + 1)], h[(k + 1, k)], h[(k + 1, k + 1)]);
-    h.rotate_rows(turn, k, k + 2);
-    h.rotate_cols(turn, k, k);
-    let n = q.order();
-    q.rotate_cols(turn, k, n);
+    if let Some(q) = q {
+        h.rotate_rows(turn, k, k + 2);
+        h.rotate_cols(turn, k, k);
+        let n = q.order();
+        q.rotate_cols(turn, k, n);
+    }
     (h[(k, k)], h[(k, k + 1)], h[(k + 1, k)], h[(k + 1, k + 1)]) = (a, b, c, d);
 }
 
@@ -197,7 +222,7 @@ fn exceptional(corner: f64, s: f64) -> Shifts {
 }
 
 /// One implicit double-shift QR sweep over the active block.
-fn sweep(q: &mut Flat, h: &mut Flat, start: usize, end: usize, shifts: &Shifts) {
+fn sweep(mut q: Option<&mut Flat>, h: &mut Flat, start: usize, end: usize, shifts: &Shifts) {
     let n = h.order();
     let ([r1, r2], [i1, i2]) = (shifts.re, shifts.im);
     // start lower where two consecutive subdiagonal entries are small
@@ -229,6 +254,7 @@ fn sweep(q: &mut Flat, h: &mut Flat, start: usize, end: usize, shifts: &Shifts) 
         }
         at -= 1;
     }
+    let (first, last) = if q.is_some() { (0, n) } else { (start, end) };
     for k in at..end - 1 {
         let rows = 3.min(end - k);
         if k > at {
@@ -245,8 +271,10 @@ fn sweep(q: &mut Flat, h: &mut Flat, start: usize, end: usize, shifts: &Shifts) 
         } else if at > start {
             h[(k, k - 1)] *= 1.0 - tau;
         }
-        h.reflect_rows(&v[..rows], tau, k);
-        h.reflect_cols(&v[..rows], tau, k, (k + 4).min(end));
-        q.reflect_cols(&v[..rows], tau, k, n);
+        h.reflect_rows(&v[..rows], tau, k, last);
+        h.reflect_cols(&v[..rows], tau, k, first..(k + 4).min(end));
+        if let Some(q) = &mut q {
+            q.reflect_cols(&v[..rows], tau, k, 0..n);
+        }
     }
 }
