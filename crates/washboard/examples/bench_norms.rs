@@ -100,7 +100,7 @@ fn quarter_car_loop(noise: f64) -> Plant {
     let plant = car.plant(&z, &y, &settings).unwrap();
     let passive = plant.passive().h2_of_outputs().unwrap();
     let weights: Vec<f64> = passive.iter().map(|r| 1.0 / r).collect();
-    let design = LqgWeights { sensor_noise: vec![noise], input_weight: vec![0.0], process_noise: 1.0 };
+    let design = LqgWeights { sensor_noise: vec![noise], input_weight: vec![0.0], ..LqgWeights::default() };
     let found = lqg(&plant.with_weights(&weights).unwrap(), &design).unwrap();
     plant.close(&found.controller).unwrap()
 }
@@ -150,7 +150,7 @@ fn sweep() -> (f64, f64) {
         let weights: Vec<f64> = passive.iter().map(|r| 1.0 / r).collect();
         let weighted = plant.with_weights(&weights).unwrap();
         let design =
-            LqgWeights { sensor_noise: vec![1e-8; 4], input_weight: vec![1e-6; 4], process_noise: 1.0 };
+            LqgWeights { sensor_noise: vec![1e-8; 4], input_weight: vec![1e-6; 4], ..LqgWeights::default() };
         let found = lqg(&weighted, &design).unwrap();
         last = weighted.close(&found.controller).unwrap().h2_norm().unwrap();
     }
