@@ -218,8 +218,10 @@ mod tests {
         assert!(e.contains("controller.a: expected shape (1, 1), found (1, 2)"), "{e}");
         let e = read(&good.replace("\"y\"", "\"y\", \"z\"")).unwrap_err();
         assert!(e.contains("controller.b: expected shape (1, 2)"), "{e}");
-        let e = read(r#"{"schema_version": 1, "status": "infeasible"}"#).unwrap_err();
+        let e = read(r#"{"schema_version": 1, "command": "design", "status": "infeasible"}"#).unwrap_err();
         assert!(e.contains("a result with status infeasible"), "{e}");
+        let e = read(r#"{"schema_version": 1, "command": "ride", "status": "designed"}"#).unwrap_err();
+        assert!(e.contains("expected a result of `design`"), "{e}");
         assert!(read("{").is_err() && read("[]").is_err());
         std::fs::remove_file(&path).unwrap();
     }

@@ -7,18 +7,12 @@ use crate::lti::{Continuous, StateSpace};
 use crate::synthesis::SynthesisError;
 use crate::synthesis::achievable::{HybridSettings, Psi, QuarterCar, QuarterCarNumbers, hybrid};
 
-/// A quarter car that measures its travel, on white road velocity, with something to copy.
+/// The car measures its travel, on white road velocity, and has something to copy; that it is a quarter car is seen
+/// before its outputs are.
 pub(super) fn check(problem: &Problem) -> Result<(), StudyError> {
     let setting = |field, expected: &str, found: String| {
         Err(StudyError::Setting { field, expected: expected.to_owned(), found })
     };
-    if problem.file.quarter_car.is_none() {
-        return setting(
-            "vehicle",
-            "a quarter car: interpolation is exact in its polynomials",
-            problem.file.model.name().into(),
-        );
-    }
     if problem.spec.interpolation.is_none() {
         return setting("interpolation", "a section with fictitious_tire_damping_n_s_per_m", "none".into());
     }

@@ -1,7 +1,9 @@
 //! From a design's words to its plant: outputs, measurements, weights over passive norms.
 
 use super::design_outcome::{Gains, Measured};
-use super::{DesignSpec, Infinite, LoadedRoad, Named, Rms, StudyError, load_road, load_vehicle};
+use super::{
+    DesignMethod, DesignSpec, Infinite, LoadedRoad, Named, Rms, StudyError, load_road, load_vehicle,
+};
 use crate::linalg::C64;
 use crate::lti::{Continuous, GeneralizedPlant, LtiError, StateSpace};
 use crate::units::rad_per_s;
@@ -40,6 +42,13 @@ impl Problem {
     pub fn new(spec: &DesignSpec, norm: Norm) -> Result<Self, StudyError> {
         let loaded = load_vehicle(&spec.vehicle)?;
         let road = load_road(&spec.road)?;
+        if spec.method == DesignMethod::Interpolation && loaded.spec.quarter_car.is_none() {
+            return Err(StudyError::Setting {
+                field: "vehicle",
+                expected: "a quarter car: interpolation is exact in its polynomials".into(),
+                found: loaded.spec.model.name().into(),
+            });
+        }
         let weights = spec.weights()?;
         let of_file = |source| StudyError::Vehicle { name: spec.vehicle.clone(), source };
         let build = |more: &Named<f64>| -> Result<Vehicle, StudyError> {
