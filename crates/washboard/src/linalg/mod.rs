@@ -25,5 +25,5 @@ pub use factored::{discrete_lyapunov_factor, lyapunov_factor};
 pub use lyapunov::{EquationSolution, discrete_lyapunov, lyapunov, sylvester};
 pub use quadrature::{Integral, integrate};
 pub use rank::{condition_estimate, rank, singular_values};
-pub use riccati::{RiccatiError, RiccatiSolution, care, care_g, dare};
+pub use riccati::{RiccatiError, RiccatiSolution, care, care_g, care_of_output, dare};
 pub use schur::RealSchur;

@@ -1,6 +1,6 @@
 //! The H2-optimal controller of a generalised plant, and LQG as its special case.
 
-use super::{Filter, Regulator, SynthesisError, broken_assumptions, kalman, lqr};
+use super::{Filter, Regulator, SynthesisError, broken_assumptions, kalman_of_input, lqr, lqr_of_output};
 use crate::linalg::{Mat, lyapunov};
 use crate::lti::{Continuous, GeneralizedPlant, LtiError, Signals, StateSpace};
 
@@ -69,13 +69,12 @@ fn with_cross_term(plant: &GeneralizedPlant, cross_term: bool) -> Result<H2Desig
     let (a, b1, b2) = (plant.a(), plant.b1(), plant.b2());
     let (c1, c2, d12, d21, d22) = (plant.c1(), plant.c2(), plant.d12(), plant.d21(), plant.d22());
     let r = symmetric(&(d12.transpose() * &d12));
-    let cross = c1.transpose() * &d12;
-    let q = symmetric(&(c1.transpose() * &c1));
-    let both = lqr(a, &b2, &q, &r, cross_term.then_some(&cross)).and_then(|regulator| {
-        let v = symmetric(&(&d21 * d21.transpose()));
-        let w = symmetric(&(&b1 * b1.transpose()));
-        Ok((regulator, kalman(a, &c2, &w, &v, Some(&(&b1 * d21.transpose())))?))
-    });
+    let both = if cross_term {
+        lqr_of_output(a, &b2, &c1, &d12)
+    } else {
+        lqr(a, &b2, &symmetric(&(c1.transpose() * &c1)), &r, None)
+    }
+    .and_then(|regulator| Ok((regulator, kalman_of_input(a, &c2, &b1, &d21)?)));
     // the equations say that they can't be solved; the assumptions say what is wrong with the plant
     let (regulator, filter) = match both {
         Ok(both) => both,

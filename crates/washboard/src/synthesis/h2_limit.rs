@@ -1,7 +1,7 @@
 //! What no controller can beat: the infimum of ‖T_zw‖₂ as sensor noise vanishes, by two routes that share only A, B, C, D.
 
 use super::h2::{symmetric, trace};
-use super::{Regulator, SynthesisError, lqr};
+use super::{Regulator, SynthesisError, lqr_of_output};
 use crate::linalg::{Mat, lyapunov, solve, sylvester};
 use crate::lti::{GeneralizedPlant, LtiError, StateSpace};
 
@@ -30,8 +30,7 @@ pub fn full_information(plant: &GeneralizedPlant) -> Result<(f64, Regulator), Sy
         return Err(LtiError::NotStrictlyProper { what: "the H2 norm", norm }.into());
     }
     let (c1, d12, b1) = (plant.c1(), plant.d12(), plant.b1());
-    let (q, r) = (symmetric(&(c1.transpose() * &c1)), symmetric(&(d12.transpose() * &d12)));
-    let regulator = lqr(plant.a(), &plant.b2(), &q, &r, Some(&(c1.transpose() * &d12)))?;
+    let regulator = lqr_of_output(plant.a(), &plant.b2(), &c1, &d12)?;
     let value = trace(&(b1.transpose() * &regulator.solution.x * &b1));
     Ok((value.max(0.0).sqrt(), regulator))
 }

@@ -203,23 +203,13 @@ impl Normal {
         }
         let b1 = self.b.subcols(0, nw).to_owned();
         let c1 = self.c.subrows(0, nz).to_owned();
-        // D₁• = [D₁₁ D₁₂], D•₁ = [D₁₁; D₂₁]
-        let wide = Mat::from_fn(nz, nw + u, |i, j| {
-            if j < nw { d11[(i, j)] } else { f64::from(u8::from(i == z1 + j - nw)) }
-        });
-        let tall = Mat::from_fn(nz + y, nw, |i, j| {
-            if i < nz { d11[(i, j)] } else { f64::from(u8::from(j == w1 + i - nz)) }
-        });
+        let (b2, c2) = (self.b.subcols(nw, u).to_owned(), self.c.subrows(nz, y).to_owned());
         let g2 = gamma * gamma;
-        let r = wide.transpose() * &wide
-            - Mat::from_fn(nw + u, nw + u, |i, j| if i == j && i < nw { g2 } else { 0.0 });
-        let r_dual = &tall * tall.transpose()
-            - Mat::from_fn(nz + y, nz + y, |i, j| if i == j && i < nz { g2 } else { 0.0 });
-        let (x, f) = half(&self.a, &self.b, &c1, &wide, &r).map_err(|e| format!("X: {e}"))?;
-        let (at, bt, ct) =
-            (self.a.transpose().to_owned(), b1.transpose().to_owned(), self.c.transpose().to_owned());
+        let turned = |m: &Mat| m.transpose().to_owned();
+        let (x, f) = half(&self.a, [&b1, &b2], &c1, d11, z1, g2).map_err(|e| format!("X: {e}"))?;
         let (y_inf, l) =
-            half(&at, &ct, &bt, &tall.transpose().to_owned(), &r_dual).map_err(|e| format!("Y: {e}"))?;
+            half(&turned(&self.a), [&turned(&c1), &turned(&c2)], &turned(&b1), &turned(d11), w1, g2)
+                .map_err(|e| format!("Y: {e}"))?;
         let xy = &y_inf * &x;
         let rho = xy
             .eigenvalues()
@@ -279,21 +269,40 @@ impl Normal {
     }
 }
 
-/// The stabilising X ≥ 0 of one equation and its F = −R⁻¹(DᵀC + BᵀX).
-fn half(a: &Mat, b: &Mat, c: &Mat, d: &Mat, r: &Mat) -> Result<(Mat, Mat), String> {
-    let over = |rhs: &Mat| solve(r, rhs).map_err(|e| e.to_string());
-    let dtc = d.transpose() * c;
-    let (r_dtc, r_bt) = (over(&dtc)?, over(&b.transpose().to_owned())?);
-    let a_h = a - b * &r_dtc;
-    let q = symmetric(&(c.transpose() * c - dtc.transpose() * &r_dtc));
-    let g = symmetric(&(b * &r_bt));
+/// The stabilising X ≥ 0 of one equation and its F = −R⁻¹(DᵀC + BᵀX), D = [D₁₁ [0; I]], R = DᵀD − diag(γ²I, 0).
+///
+/// With the performances parted into those without (C_t, D_t: the first `free`) and with a control (C_b, D_b), u is taken out
+/// first: A₁ = A − B₂C_b, B̃ = B₁ − B₂D_b; then w, N = γ²I − D_tᵀD_t:
+/// Q = C_tᵀC_t + (D_tᵀC_t)ᵀN⁻¹D_tᵀC_t is a sum of squares, where CᵀC − CᵀD R⁻¹DᵀC is a difference of large numbers.
+fn half(
+    a: &Mat,
+    [b1, b2]: [&Mat; 2],
+    c: &Mat,
+    d11: &Mat,
+    free: usize,
+    g2: f64,
+) -> Result<(Mat, Mat), String> {
+    let text = |e: LinalgError| e.to_string();
+    let (nw, u) = (b1.ncols(), b2.ncols());
+    let (c_t, c_b) = (c.subrows(0, free).to_owned(), c.subrows(free, u).to_owned());
+    let (d_t, d_b) = (d11.subrows(0, free).to_owned(), d11.subrows(free, u).to_owned());
+    let b = b1 - b2 * &d_b;
+    let n = Mat::from_fn(nw, nw, |i, j| if i == j { g2 } else { 0.0 }) - d_t.transpose() * &d_t;
+    let dtc = d_t.transpose() * &c_t;
+    let (n_dtc, n_bt) = (solve(&n, &dtc).map_err(text)?, solve(&n, &b.transpose().to_owned()).map_err(text)?);
+    let a_h = a - b2 * &c_b + &b * &n_dtc;
+    let q = symmetric(&(c_t.transpose() * &c_t + dtc.transpose() * &n_dtc));
+    let g = symmetric(&(b2 * b2.transpose() - &b * &n_bt));
     let x = care_g(&a_h, &g, &q).map_err(|e| e.to_string())?.x;
-    let values = symmetric_eigenvalues(&x).map_err(|e| e.to_string())?;
+    let values = symmetric_eigenvalues(&x).map_err(text)?;
     let (least, most) = (values.first().copied().unwrap_or(0.0), values.last().copied().unwrap_or(0.0));
     if least < -SEMIDEFINITE * most.abs().max(least.abs()) {
         return Err(format!("smallest eigenvalue {least:e}, expected none below zero"));
     }
-    let f = -(r_dtc + r_bt * &x);
+    let f_w = n_dtc + n_bt * &x;
+    let f_u = -(b2.transpose() * &x + c_b + d_b * &f_w);
+    let states = a.ncols();
+    let f = Mat::from_fn(nw + u, states, |i, j| if i < nw { f_w[(i, j)] } else { f_u[(i - nw, j)] });
     Ok((x, f))
 }
 

@@ -1,7 +1,7 @@
 //! The linear-quadratic regulator and, its dual, the Kalman filter.
 
 use super::SynthesisError;
-use crate::linalg::{Mat, RiccatiSolution, care};
+use crate::linalg::{Mat, RiccatiSolution, care, care_of_output};
 
 /// u = F x, optimal for a quadratic cost.
 #[derive(Debug, Clone)]
@@ -63,4 +63,30 @@ pub fn kalman(a: &Mat, c: &Mat, w: &Mat, v: &Mat, cross: Option<&Mat>) -> Result
     let solution = care(&at, &ct, w, v, cross)
         .map_err(|source| SynthesisError::Riccati { equation: "filter", source })?;
     Ok(Filter { gain: solution.gain.transpose().to_owned(), solution })
+}
+
+/// The regulator that minimises ∫ |C x + D u|² dt for ẋ = A x + B u: [`lqr`] with CᵀC, DᵀD, CᵀD, without squaring them.
+///
+/// `c` is p × n, `d` p × m of full column rank. Existence is decided by what B reaches and C sees, so that closed loops very
+/// near the axis (zeros almost on it) are found too.
+///
+/// # Errors
+/// As [`lqr`].
+pub fn lqr_of_output(a: &Mat, b: &Mat, c: &Mat, d: &Mat) -> Result<Regulator, SynthesisError> {
+    let solution = care_of_output(a, b, c, d)
+        .map_err(|source| SynthesisError::Riccati { equation: "control", source })?;
+    Ok(Regulator { gain: solution.gain.clone(), solution })
+}
+
+/// The Kalman filter of ẋ = A x + B w, y = C x + D w with white w of intensity 1: the dual of [`lqr_of_output`].
+///
+/// `b` is n × m, `d` p × m of full row rank.
+///
+/// # Errors
+/// As [`lqr_of_output`], of the dual system.
+pub fn kalman_of_input(a: &Mat, c: &Mat, b: &Mat, d: &Mat) -> Result<Filter, SynthesisError> {
+    let turned = |m: &Mat| m.transpose().to_owned();
+    let solution = care_of_output(&turned(a), &turned(c), &turned(b), &turned(d))
+        .map_err(|source| SynthesisError::Riccati { equation: "filter", source })?;
+    Ok(Filter { gain: turned(&solution.gain), solution })
 }

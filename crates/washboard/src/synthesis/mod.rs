@@ -19,4 +19,4 @@ pub use error::SynthesisError;
 pub use h2::{H2Design, LqgWeights, h2, lqg, lqg_plant};
 pub use h2_limit::{H2Limit, full_information, h2_limit};
 pub use hinf::{HinfDesign, HinfSettings, hinf};
-pub use lqr::{Filter, Regulator, kalman, lqr};
+pub use lqr::{Filter, Regulator, kalman, kalman_of_input, lqr, lqr_of_output};

@@ -179,7 +179,8 @@ impl Control {
             through + all[i].u.get(a.1).copied().unwrap_or(0.0)
         });
         let whole = StateSpace::continuous(open.a, b, open.c, d)?;
-        let closed = whole.lft(&self.controller)?;
+        // controllers have states in units of their own
+        let closed = whole.lft(&self.controller)?.balanced_scales()?.0;
         Ok(Driven {
             a: closed.a().clone(),
             b: closed.b().clone(),

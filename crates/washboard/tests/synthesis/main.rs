@@ -2,6 +2,7 @@
 
 #![allow(clippy::unwrap_used, clippy::print_stderr, clippy::print_stdout)]
 
+mod low_noise;
 mod other_vehicles;
 mod plants;
 mod quarter_car;

@@ -7,6 +7,18 @@ use washboard::synthesis::{Certificate, LqgWeights, full_information, h2_limit, 
 use washboard::vehicle::{Disturbance, Output, PlantSettings, Vehicle};
 
 fn plant(car: &Vehicle, road: &Road, z: &[&str], y: &[&str], delay_order: usize) -> GeneralizedPlant {
+    plant_of(car, road, z, y, delay_order, Disturbance::RoadNoise)
+}
+
+/// At 20 m/s.
+pub fn plant_of(
+    car: &Vehicle,
+    road: &Road,
+    z: &[&str],
+    y: &[&str],
+    delay_order: usize,
+    disturbance: Disturbance,
+) -> GeneralizedPlant {
     let find = |names: &[&str]| -> Vec<Output> {
         let of = |n: &&str| {
             car.outputs().iter().filter(|o| o.name == *n || o.base == *n).cloned().collect::<Vec<_>>()
@@ -14,7 +26,7 @@ fn plant(car: &Vehicle, road: &Road, z: &[&str], y: &[&str], delay_order: usize)
         names.iter().flat_map(of).collect()
     };
     let (z, y) = (find(z), find(y));
-    let settings = PlantSettings { road, speed_m_s: 20.0, disturbance: Disturbance::RoadNoise, delay_order };
+    let settings = PlantSettings { road, speed_m_s: 20.0, disturbance, delay_order };
     car.plant(&z.iter().collect::<Vec<_>>(), &y.iter().collect::<Vec<_>>(), &settings).unwrap()
 }
 

@@ -59,13 +59,14 @@ pub fn care(a: &Mat, b: &Mat, q: &Mat, r: &Mat, s: Option<&Mat>) -> Result<Ricca
     let mut g = half_b.transpose() * &half_b;
     average(&mut g);
     let solution = match s {
-        None => solve(a, &g, &q, Some(b))?,
+        None => solve(a, &g, &q, Some(&Factors { reach: b.clone(), seen: None }))?,
         Some(s) => {
             let mut half_s = s.transpose().to_owned();
             lower.solve_lower_triangular_in_place(half_s.as_mut());
             let mut q = &q - half_s.transpose() * &half_s;
             average(&mut q);
-            solve(&(a - half_b.transpose() * &half_s), &g, &q, Some(b))?
+            let factors = Factors { reach: b.clone(), seen: None };
+            solve(&(a - half_b.transpose() * &half_s), &g, &q, Some(&factors))?
         }
     };
     let mut cross = b.transpose() * &solution.x;
@@ -110,8 +111,20 @@ pub fn care_g(a: &Mat, g: &Mat, q: &Mat) -> Result<RiccatiSolution, RiccatiError
     solve(a, &g, &q, None)
 }
 
-/// With `reach` = B where there is one: whose columns tell what the input reaches, better than the squared G.
-fn solve(a: &Mat, g: &Mat, q: &Mat, reach: Option<&Mat>) -> Result<RiccatiSolution, RiccatiError> {
+/// What G and Q were made of, where that is known: it tells reach and sight better than the squares.
+pub(super) struct Factors {
+    /// A matrix with the column space of G.
+    pub reach: Mat,
+    /// H with Q = HᵀH, where Q and G are positive semidefinite by construction.
+    pub seen: Option<Mat>,
+}
+
+pub(super) fn solve(
+    a: &Mat,
+    g: &Mat,
+    q: &Mat,
+    factors: Option<&Factors>,
+) -> Result<RiccatiSolution, RiccatiError> {
     let scaling = Scaling::of(a, g, q);
     let (sa, sg, sq) = (scaling.a(a), scaling.g(g), scaling.q(q));
     for (name, m) in [("A", &sa), ("G", &sg), ("Q", &sq)] {
@@ -120,9 +133,10 @@ fn solve(a: &Mat, g: &Mat, q: &Mat, reach: Option<&Mat>) -> Result<RiccatiSoluti
             return Err(LinalgError::NotFinite { name, row: 0, col: 0, value }.into());
         }
     }
-    let reach = reach.map_or_else(|| sg.clone(), |b| scaling.b(b));
+    let reach = factors.map_or_else(|| sg.clone(), |f| scaling.b(&f.reach));
+    let seen = factors.and_then(|f| f.seen.as_ref()).map(|h| scaling.c(h));
     let problem = Problem::Continuous { a: sa.clone(), g: sg.clone(), q: sq.clone() };
-    let standard = Standard { equation: Equation::Continuous, a: sa, g: sg, q: sq, reach };
+    let standard = Standard { equation: Equation::Continuous, a: sa, g: sg, q: sq, reach, seen };
     let norms = Norms { a: norm(a), g: norm(g), q: norm(q), ..Norms::default() };
     let mut solution = stabilising(&problem, &standard, None, &scaling, norms)?;
     solution.gain = -&solution.x;

@@ -65,6 +65,7 @@ pub fn dare(a: &Mat, b: &Mat, q: &Mat, r: &Mat, s: Option<&Mat>) -> Result<Ricca
         g: scaling.g(&g),
         q: scaling.q(&sq),
         reach: scaling.b(b),
+        seen: None,
     };
     let problem = Problem::Discrete {
         a: scaling.a(a),

@@ -10,16 +10,19 @@ mod error;
 mod input;
 mod lu;
 mod newton;
+mod of_output;
 mod scaling;
 mod schur_route;
 
 pub use care::{care, care_g};
 pub use dare::dare;
 pub use error::RiccatiError;
+pub use of_output::care_of_output;
 
 use super::dense::{C64, LinalgError, Mat};
 use super::quasi_triangular::Equation;
 use condition::{Errors, Norms, errors};
+use diagnose::Nearness;
 use doubling::Doubling;
 use newton::{Problem, Refined, refine};
 use scaling::Scaling;
@@ -59,6 +62,8 @@ struct Standard {
     q: Mat,
     /// A matrix whose columns are what the input reaches.
     reach: Mat,
+    /// H with Q = HᵀH, where G and Q are positive semidefinite by construction.
+    seen: Option<Mat>,
 }
 
 impl Standard {
@@ -74,9 +79,11 @@ impl Standard {
     }
 
     /// What stands in the way of a stabilising solution, if it can be found.
-    fn obstacle(&self) -> Option<RiccatiError> {
-        diagnose::unreachable(self.equation, &self.a, &self.reach)
-            .or_else(|| diagnose::boundary(self.equation, &self.a, &self.g, &self.q))
+    fn obstacle(&self, nearness: Nearness) -> Option<RiccatiError> {
+        diagnose::unreachable(self.equation, &self.a, &self.reach).or_else(|| match &self.seen {
+            Some(h) => diagnose::unseen(&self.a, h),
+            None => diagnose::boundary(self.equation, &self.a, &self.g, &self.q, nearness),
+        })
     }
 
     /// X by the ordered Schur form.
@@ -113,7 +120,7 @@ fn stabilising(
         };
     }
     let unconfirmed = |scaled_residual, margin| {
-        standard.obstacle().unwrap_or(RiccatiError::Unconfirmed { scaled_residual, margin })
+        standard.obstacle(Nearness::Near).unwrap_or(RiccatiError::Unconfirmed { scaled_residual, margin })
     };
     let Some(best) = best else { return Err(unconfirmed(f64::INFINITY, f64::INFINITY)) };
     if !sound(&best, REFUSED) {
@@ -121,7 +128,7 @@ fn stabilising(
     }
     let Errors { condition, forward, proven } = errors(&best, &standard.g, scaling, &norms);
     // too near to the boundary for the residual alone to say that there is a solution?
-    if !proven && let Some(why) = standard.obstacle() {
+    if !proven && let Some(why) = standard.obstacle(Nearness::Indistinct) {
         return Err(why);
     }
     let scaled_residual = best.at.scaled();

@@ -86,6 +86,11 @@ impl Scaling {
         Mat::from_fn(b.nrows(), b.ncols(), |i, j| b[(i, j)] / self.d[i])
     }
 
+    /// H D.
+    pub fn c(&self, h: &Mat) -> Mat {
+        Mat::from_fn(h.nrows(), h.ncols(), |i, j| h[(i, j)] * self.d[j])
+    }
+
     /// F̃ D⁻¹ of u = F̃ x̃.
     pub fn gain(&self, f: &Mat) -> Mat {
         Mat::from_fn(f.nrows(), f.ncols(), |i, j| f[(i, j)] / self.d[j])
