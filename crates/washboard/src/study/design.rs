@@ -234,6 +234,14 @@ fn by_hinf(problem: &Problem, goal: &GeneralizedPlant, outcome: &mut DesignOutco
     let text = "gamma is the norm of all weighted outputs together, sensors' noise and weighted controls included: the largest \
                 of the single ones is smaller (objective)";
     outcome.notes.push(Flag { name: "joint-norm".into(), text: text.into() });
+    if !found.decided {
+        let text = format!(
+            "below {:.4} the equations are too ill-conditioned to be solved: the controller is confirmed, but a smaller norm may be \
+             possible; raise lqg.sensor_noise or weight the controls (input_weight)",
+            found.gamma
+        );
+        outcome.warnings.push(Flag { name: "gamma-undecided".into(), text });
+    }
     Ok(Some(found.controller))
 }
 

@@ -46,7 +46,7 @@ fn the_filters_slow_poles_are_found_however_little_noise_there_is() {
 }
 
 #[test]
-fn hinf_levels_do_not_rise_as_noise_falls_and_are_confirmed() {
+fn hinf_levels_do_not_rise_as_noise_falls_or_say_that_they_are_undecided() {
     for (disturbance, y) in [
         (Disturbance::RoadVelocity, ["body_acceleration", "suspension_travel"]),
         (Disturbance::RoadDisplacement, ["body_acceleration", "suspension_travel"]),
@@ -57,11 +57,19 @@ fn hinf_levels_do_not_rise_as_noise_falls_and_are_confirmed() {
         for noise in [1e-4, 1e-6, 1e-8] {
             let p = p.with_sensor_noise(&vec![noise; p.ny()]).unwrap();
             let found = hinf(&p, &HinfSettings::default()).unwrap_or_else(|e| panic!("{noise:e}: {e}"));
+            // poles from 1e-2 to 1e8 rad/s are past double precision, which must be said
+            let at_the_edge = disturbance == Disturbance::RoadDisplacement && noise < 1e-7;
+            assert!(found.decided || at_the_edge, "{noise:e}: {}", found.gamma);
             // to the tolerance of the bisection: where noise no longer counts
-            assert!(found.gamma <= last * (1.0 + 1e-6), "{noise:e}: {} after {last}", found.gamma);
+            assert!(
+                !found.decided || found.gamma <= last * (1.0 + 1e-6),
+                "{noise:e}: {} after {last}",
+                found.gamma
+            );
             last = found.gamma;
             let loop_norm = Certificate::of(&p, &found.controller).unwrap().hinf;
-            assert!((loop_norm / found.gamma - 1.0).abs() < 1e-4, "{noise:e}: {loop_norm} {}", found.gamma);
+            let off = loop_norm / found.gamma - 1.0;
+            assert!(off < 1e-4 && (off > -1e-4 || !found.decided), "{noise:e}: {loop_norm} {}", found.gamma);
         }
     }
 }
