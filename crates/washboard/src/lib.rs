@@ -65,6 +65,7 @@ pub mod report;
 pub mod road;
 pub mod signal;
 pub mod study;
+pub mod subspace;
 pub mod synthesis;
 pub mod units;
 pub mod vehicle;

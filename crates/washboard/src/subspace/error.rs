@@ -1,0 +1,134 @@
+//! What this module refuses, with the numbers that matter.
+
+use crate::linalg::{LinalgError, RiccatiError};
+use crate::lti::LtiError;
+use thiserror::Error;
+
+/// Why there is no model.
+#[derive(Debug, Error)]
+pub enum SubspaceError {
+    /// Linear algebra that did not converge, or entries that are not finite.
+    #[error(transparent)]
+    Linalg(#[from] LinalgError),
+    /// A system that can't be built.
+    #[error(transparent)]
+    Lti(#[from] LtiError),
+    /// Another number of things than there must be.
+    #[error("{what}: expected {expected}, found {found}")]
+    Count {
+        /// Of what.
+        what: &'static str,
+        /// How many there should be.
+        expected: usize,
+        /// How many there are.
+        found: usize,
+    },
+    /// A setting out of its range.
+    #[error("{field}: expected {expected}, found {found}")]
+    Field {
+        /// Which.
+        field: &'static str,
+        /// What it may be.
+        expected: String,
+        /// What it is.
+        found: String,
+    },
+    /// An angle that is not in [0, π].
+    #[error("angle {index}: {value}, expected one from 0 to π")]
+    Angle {
+        /// Which, from 0.
+        index: usize,
+        /// θ.
+        value: f64,
+    },
+    /// Angles that do not ascend.
+    #[error("angle {index}: {value} after {before}: expected distinct angles in ascending order")]
+    Order {
+        /// Which, from 0.
+        index: usize,
+        /// The one before it.
+        before: f64,
+        /// θ.
+        value: f64,
+    },
+    /// A sample, variance or covariance that is none.
+    #[error("{what} {index}: {why}")]
+    Sample {
+        /// Sample, variance or covariance.
+        what: &'static str,
+        /// Which, from 0.
+        index: usize,
+        /// What is wrong with it.
+        why: String,
+    },
+    /// A power spectrum with a negative density.
+    #[error("sample {index}: a density of {value:e}, expected none below 0")]
+    Negative {
+        /// Which, from 0.
+        index: usize,
+        /// The density.
+        value: f64,
+    },
+    /// Fewer samples than the order and the number of block rows ask for.
+    #[error(
+        "order {order} with p = {block_rows} needs {needed} independent real samples (2 a frequency, 1 at 0 and at π), found {found}"
+    )]
+    TooFew {
+        /// n.
+        order: usize,
+        /// p.
+        block_rows: usize,
+        /// How many it takes.
+        needed: usize,
+        /// How many there are.
+        found: usize,
+    },
+    /// An order that the number of block rows does not allow.
+    #[error("order {order}: p = {block_rows} block rows of {size} allow {most} at most")]
+    OrderTooHigh {
+        /// n.
+        order: usize,
+        /// p.
+        block_rows: usize,
+        /// m.
+        size: usize,
+        /// The largest order.
+        most: usize,
+    },
+    /// Poles do not part into those inside the circle and their mirror images.
+    #[error(
+        "order {order}: {inside} of {both} eigenvalues are inside the unit circle, expected half: the spectrum is not rational enough of this order, or too noisy",
+        both = 2 * order
+    )]
+    NoSplit {
+        /// n.
+        order: usize,
+        /// How many are inside.
+        inside: usize,
+    },
+    /// A spectrum without a spectral factor.
+    #[error("no spectral factor: {0}")]
+    NoFactor(#[from] RiccatiError),
+    /// A spectrum that could not be made positive.
+    #[error(
+        "the spectrum of order {order} falls to {least:e} at {theta_rad:.4} rad, and {rounds} repairs did not lift it above 0"
+    )]
+    NotPositive {
+        /// n.
+        order: usize,
+        /// Its smallest eigenvalue.
+        least: f64,
+        /// Where.
+        theta_rad: f64,
+        /// Repairs that were tried.
+        rounds: usize,
+    },
+    /// A factor that does not give its spectrum back.
+    #[error("the factor's spectrum is off by {relative:e} of the fitted one, expected below {limit:e}")]
+    Unverified {
+        /// Largest difference over the largest value.
+        relative: f64,
+        /// What is allowed.
+        limit: f64,
+    },
+}

@@ -1,0 +1,146 @@
+//! A fitted spectrum that falls below zero somewhere: found, and lifted by least squares under constraints.
+
+use super::SubspaceError;
+use super::samples::Samples;
+use super::summand::{LeastSquares, Summand};
+use crate::linalg::{C64, CMat, LinalgError, Mat, RealSchur};
+use std::f64::consts::PI;
+
+/// Repaired spectra stay above this share of the smallest positive sample.
+const FLOOR: f64 = 1e-2;
+/// Where the smallest sample is zero: this share of the largest.
+const LEAST_FLOOR: f64 = 1e-12;
+/// Rounds of cutting planes.
+const ROUNDS: usize = 60;
+/// Angles of the even grid on which minima are looked for.
+const GRID: usize = 1024;
+/// Steps of golden section at each minimum.
+const GOLDEN: usize = 40;
+
+/// What was done to a spectrum that was not positive.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Repair {
+    /// Its smallest eigenvalue before.
+    pub least_before: f64,
+    /// Where that was, rad.
+    pub theta_rad: f64,
+    /// The floor that it was lifted to.
+    pub floor: f64,
+    /// Rounds of constraints.
+    pub rounds: usize,
+    /// Root of the weighted sum of squares before and after.
+    pub misfit: [f64; 2],
+}
+
+/// Angles at which a spectrum is looked at: the samples', an even grid, and a fan about every pole.
+pub(super) fn angles(samples: &Samples, a: &Mat) -> Result<Vec<f64>, LinalgError> {
+    let mut all: Vec<f64> = (0..=GRID).map(|k| PI * k as f64 / GRID as f64).collect();
+    all.extend(samples.theta_rad());
+    for pole in RealSchur::new(a)?.eigenvalues() {
+        let (angle, distance) = (pole.arg().abs(), (1.0 - pole.norm()).max(1e-9));
+        for k in -8..=8 {
+            all.push(angle + distance * f64::from(k) / 4.0);
+        }
+    }
+    // fine towards 0, where road spectra are steep
+    all.extend((1..60).map(|k| PI * 0.7f64.powi(k)));
+    all.retain(|t| (0.0..=PI).contains(t));
+    all.sort_by(f64::total_cmp);
+    all.dedup();
+    Ok(all)
+}
+
+/// λ_min of S(θ).
+fn least(s: &Summand, theta: f64) -> Result<f64, LinalgError> {
+    let value = s.at(theta)?;
+    Ok(hermitian_least(&value)?.0)
+}
+
+/// Smallest eigenvalue of a Hermitian matrix, and its vector.
+fn hermitian_least(s: &CMat) -> Result<(f64, Vec<C64>), LinalgError> {
+    let m = s.nrows();
+    if m == 1 {
+        return Ok((s[(0, 0)].re, vec![C64::new(1.0, 0.0)]));
+    }
+    let eigen = s
+        .self_adjoint_eigen(faer::Side::Lower)
+        .map_err(|_| LinalgError::NoConvergence { what: "the eigenvalues of S", order: m })?;
+    Ok((eigen.S()[0].re, (0..m).map(|i| eigen.U()[(i, 0)]).collect()))
+}
+
+/// Local minima of λ_min below `floor`, refined: angle and value.
+fn minima(s: &Summand, angles: &[f64], floor: f64) -> Result<Vec<(f64, f64)>, LinalgError> {
+    let values = angles.iter().map(|t| least(s, *t)).collect::<Result<Vec<_>, _>>()?;
+    let last = angles.len() - 1;
+    let mut found = Vec::new();
+    for k in 0..=last {
+        let (before, after) = (k.saturating_sub(1), (k + 1).min(last));
+        if values[k] > values[before] || values[k] > values[after] || values[k] > 10.0 * floor {
+            continue;
+        }
+        let (theta, value) = golden(s, angles[before], angles[after])?;
+        let best = if value < values[k] { (theta, value) } else { (angles[k], values[k]) };
+        if best.1 < floor {
+            found.push(best);
+        }
+    }
+    Ok(found)
+}
+
+fn golden(s: &Summand, mut low: f64, mut high: f64) -> Result<(f64, f64), LinalgError> {
+    let share = 0.5 * (5f64.sqrt() - 1.0);
+    let (mut x, mut y) = (high - share * (high - low), low + share * (high - low));
+    let (mut fx, mut fy) = (least(s, x)?, least(s, y)?);
+    for _ in 0..GOLDEN {
+        if fx < fy {
+            (high, y, fy) = (y, x, fx);
+            x = high - share * (high - low);
+            fx = least(s, x)?;
+        } else {
+            (low, x, fx) = (x, y, fy);
+            y = low + share * (high - low);
+            fy = least(s, y)?;
+        }
+    }
+    Ok(if fx < fy { (x, fx) } else { (y, fy) })
+}
+
+/// The least-squares fit under vᴴS(θ)v ≥ floor, constraints added at each minimum (with its v) until none is below.
+///
+/// Source: cutting planes for the semi-infinite constraint; each round is a least-distance problem (Lawson and Hanson).
+pub(super) fn lifted(
+    samples: &Samples,
+    fit: &LeastSquares,
+    first: Summand,
+) -> Result<(Summand, Option<Repair>), SubspaceError> {
+    let sizes = samples.s().iter().map(|s| hermitian_least(s).map(|v| v.0)).collect::<Result<Vec<_>, _>>()?;
+    let largest = samples.s().iter().map(|s| s.norm_max()).fold(0.0, f64::max);
+    let smallest = sizes.iter().copied().filter(|v| *v > 0.0).fold(f64::INFINITY, f64::min);
+    let floor = (FLOOR * smallest).clamp(LEAST_FLOOR * largest, FLOOR * largest);
+    let angles = angles(samples, &first.a)?;
+    let mut below = minima(&first, &angles, 0.0)?;
+    if below.is_empty() {
+        return Ok((first, None));
+    }
+    let worst =
+        |below: &[(f64, f64)]| below.iter().copied().min_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or((0.0, 0.0));
+    let (theta_rad, least_before) = worst(&below);
+    let (mut rows, mut s): (Vec<Vec<f64>>, Summand) = (Vec::new(), first);
+    for rounds in 1..=ROUNDS {
+        for (theta, _) in &below {
+            let (_, v) = hermitian_least(&s.at(*theta)?)?;
+            rows.push(fit.row(*theta, &v)?);
+        }
+        // aim a little above the floor, so that a finite number of rounds ends there
+        let aims = vec![1.5 * floor; rows.len()];
+        let change = fit.constrained(&rows, &aims)?;
+        s = fit.summand(&change);
+        below = minima(&s, &angles, floor)?;
+        if below.is_empty() {
+            let misfit = [fit.misfit(None), fit.misfit(Some(&change))];
+            return Ok((s, Some(Repair { least_before, theta_rad, floor, rounds, misfit })));
+        }
+    }
+    let (theta_rad, least) = worst(&below);
+    Err(SubspaceError::NotPositive { order: s.a.nrows(), least, theta_rad, rounds: ROUNDS })
+}

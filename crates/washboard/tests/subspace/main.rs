@@ -1,0 +1,9 @@
+//! Models of spectra: exact where they can be, against the thesis's numbers, and with samples that are none.
+
+#![allow(clippy::unwrap_used, clippy::print_stdout)]
+
+mod analytic;
+mod exact;
+mod systems;
+mod thesis_example;
+mod wrong_samples;
