@@ -30,6 +30,8 @@ mod load;
 mod modes;
 mod named;
 mod parts;
+mod physical_inputs;
+mod physical_notes;
 mod respond;
 mod ride;
 mod sensors;
