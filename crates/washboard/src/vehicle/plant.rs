@@ -44,7 +44,7 @@ pub struct PlantSettings<'a> {
 pub enum PlantError {
     /// An output with derivatives of the disturbance.
     #[error(
-        "`{output}` contains the derivative of the {disturbance}: its response grows without bound with frequency; choose another disturbance or leave it out"
+        "`{output}` contains the derivative of the {disturbance}: its response grows without bound with frequency: take disturbance road-velocity or road-noise, or leave it out"
     )]
     Improper {
         /// The output.
