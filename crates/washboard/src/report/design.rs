@@ -69,3 +69,62 @@ pub(super) fn capital(text: &str) -> String {
     let mut all = text.chars();
     all.next().map_or_else(String::new, |first| first.to_uppercase().chain(all).collect())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::study::{DesignMethod, DesignSpec, Goal, design};
+
+    fn half_car(method: DesignMethod, input_weight: f64) -> DesignOutcome {
+        let minimize = [("heave_acceleration".to_owned(), 1.0), ("suspension_travel".to_owned(), 1.0)];
+        let spec = DesignSpec {
+            vehicle: "case:turkay-half-car".into(),
+            road: "case:turkay-white-velocity".into(),
+            speed_m_s: 20.0,
+            measurements: vec!["suspension_travel".into()],
+            method,
+            input_weight,
+            delay_order: 2,
+            goal: Goal { minimize: minimize.into_iter().collect(), ..Goal::default() },
+            ..DesignSpec::default()
+        };
+        design(&spec).unwrap().0
+    }
+
+    fn headings(page: &str) -> Vec<&str> {
+        let cells = page.split("<th scope=\"col\"").skip(1);
+        cells.map(|c| c.split_once('>').unwrap().1.split_once('<').unwrap().0).collect()
+    }
+
+    #[test]
+    fn a_design_shows_its_goal_first_and_the_rest_on_demand() {
+        let outcome = half_car(DesignMethod::Lqg, 1e-9);
+        assert_eq!(outcome.status, DesignStatus::Designed);
+        let page = design_page(&outcome, "half");
+        assert!(page.contains("id=\"ride\"") && !page.contains("id=\"passive\""));
+        let shown = page.split("Gains over frequency</h2>").nth(1).unwrap();
+        let (first, rest) = shown.split_once("<details>").unwrap();
+        let plots = |part: &str| part.matches("data-plot").count();
+        assert_eq!(plots(first), 3, "heave, travel and force");
+        // what white road reaches at all frequencies alike, too: all outputs have a curve
+        assert_eq!(plots(rest.split_once("</details>").unwrap().0), outcome.rows().len() - 3);
+        assert!(rest.contains("<h3>Tire load</h3>") && rest.contains("<h3>Wheels</h3>"));
+        assert!(page.contains("m/s² per m/s") && page.contains("Measures suspension_travel_front in m"));
+        assert_eq!(headings(&page).iter().filter(|h| **h == "closed").count(), 4);
+    }
+
+    #[test]
+    fn without_a_loop_no_column_is_empty_and_words_say_why() {
+        for (method, weight) in [(DesignMethod::H2Limit, 1e-9), (DesignMethod::Hinf, 0.0)] {
+            let outcome = half_car(method, weight);
+            assert!(outcome.verified.is_none(), "{:?}", outcome.status);
+            let page = design_page(&outcome, "none");
+            let top = page.split("<nav").next().unwrap();
+            assert!(top.contains("there is no closed loop to show"), "{method:?}");
+            assert!(page.contains("The vehicle without control") && !page.contains("What it buys"));
+            let heads = headings(&page);
+            assert!(!heads.contains(&"closed") && heads.contains(&"passive"), "{heads:?}");
+            assert!(!page.contains("\"closed loop\""));
+        }
+    }
+}

@@ -46,10 +46,11 @@ fn grid(o: &DesignOutcome, rows: &[&ResponseRow<'_>], plots: &mut Plots) -> Opti
 fn plot(o: &DesignOutcome, r: &ResponseRow<'_>) -> Option<Plot> {
     let values = |v: &[f64]| v.iter().map(|v| Some(*v)).collect::<Vec<_>>();
     let unit = format!("{} per {}", r.unit, o.per());
+    let (low, high) = (*o.gains.freq_hz.first()?, *o.gains.freq_hz.last()?);
     let mut plot = Plot::new(
         r.name,
         &o.gains.freq_hz,
-        Axis::new("frequency", "Hz", true),
+        Axis::new("frequency", "Hz", true).within(low, high),
         Axis::new("gain", &unit, true),
     );
     for (label, role, of) in

@@ -3,7 +3,12 @@
 use super::design::capital;
 use super::html::{Html, element, note, paragraph, table};
 use super::numbers::{fixed, signed, significant};
-use crate::study::{DesignOutcome, Measured, ResponseRow, Rms};
+use crate::study::{DesignOutcome, Measured, ResponseGroup, ResponseRow, Rms};
+
+/// More poles than these are shown on demand.
+const MANY_POLES: usize = 16;
+/// An imaginary part below this share of a pole is rounding.
+const REAL: f64 = 1e-12;
 
 /// What a table shows of a row: unit, passive, closed, change.
 type Cells = fn(&DesignOutcome, &ResponseRow<'_>) -> [Html; 4];
@@ -31,16 +36,21 @@ pub(super) fn ride(o: &DesignOutcome) -> Option<Html> {
 }
 
 fn responses(o: &DesignOutcome, caption: &str, rows: &[ResponseRow<'_>], cells: Cells) -> Html {
-    let head = ["", "output", "unit", "#passive", "#closed", "#change"];
-    let columns = if o.verified.is_some() { 6 } else { 4 };
-    let mut group = None;
-    let row = |r: &ResponseRow<'_>| {
-        let heading = if group == Some(r.group) { String::new() } else { capital(r.group.heading()) };
-        group = Some(r.group);
-        let all = [element("strong", &[], heading), r.name.into()].into_iter().chain(cells(o, r));
-        all.take(columns).collect()
-    };
-    table(caption, &head[..columns], rows.iter().map(row).collect())
+    let head = ["output", "unit", "#passive", "#closed", "#change"];
+    let columns = if o.verified.is_some() { 5 } else { 3 };
+    let mut body: Vec<Vec<Html>> = Vec::new();
+    for group in ResponseGroup::ALL {
+        let own: Vec<&ResponseRow<'_>> = rows.iter().filter(|r| r.group == group).collect();
+        if !own.is_empty() {
+            let mut heading = vec![Html::default(); columns];
+            heading[0] = element("strong", &[], capital(group.heading()));
+            body.push(heading);
+        }
+        for r in own {
+            body.push(std::iter::once(r.name.into()).chain(cells(o, r)).take(columns).collect());
+        }
+    }
+    table(caption, &head[..columns], body)
 }
 
 fn rms_cells(_: &DesignOutcome, r: &ResponseRow<'_>) -> [Html; 4] {
@@ -84,16 +94,12 @@ pub(super) fn goal(o: &DesignOutcome) -> Option<Html> {
 pub(super) fn certificate(o: &DesignOutcome) -> Option<Html> {
     let row = |(name, v): (&str, &f64)| {
         let (words, unit) = o.claim_words(name);
-        vec![
-            capital(&words).into(),
-            significant(*v, 7).into(),
-            if unit.is_empty() { "–".into() } else { unit.into() },
-        ]
+        let value = [significant(*v, 7), unit].join(" ");
+        vec![capital(&words).into(), value.trim_end().into()]
     };
     let rows: Vec<Vec<Html>> = o.claimed.iter().map(row).collect();
-    (!rows.is_empty()).then(|| {
-        table("what is claimed, and what the loop itself shows", &["number", "#value", "unit"], rows)
-    })
+    (!rows.is_empty())
+        .then(|| table("what is claimed, and what the loop itself shows", &["number", "#value"], rows))
 }
 
 /// Poles with Im ≥ 0.
@@ -102,15 +108,11 @@ pub(super) fn poles(o: &DesignOutcome) -> Option<Html> {
         let upper = m.poles.iter().filter(|p| p[1] >= 0.0);
         let row = |p: &[f64; 2]| {
             let size = p[0].hypot(p[1]);
+            let im = if p[1] <= REAL * size { 0.0 } else { p[1] };
             let damping = if size > 0.0 { fixed(-100.0 * p[0] / size, 1) } else { "–".to_owned() };
             let hz = significant(size / std::f64::consts::TAU, 4);
-            vec![
-                which.into(),
-                significant(p[0], 4).into(),
-                significant(p[1], 4).into(),
-                hz.into(),
-                damping.into(),
-            ]
+            let numbers = [significant(p[0], 4), significant(im, 4), hz, damping];
+            std::iter::once(which.into()).chain(numbers.map(Html::from)).collect()
         };
         upper.map(row).collect()
     };
@@ -119,7 +121,16 @@ pub(super) fn poles(o: &DesignOutcome) -> Option<Html> {
         rows.extend(of(closed, "closed"));
     }
     let head = ["loop", "#Re λ, 1/s", "#Im λ, rad/s", "#|λ|/2π, Hz", "#damping, %"];
-    (!rows.is_empty()).then(|| table("poles λ with Im λ ≥ 0", &head, rows))
+    let count = rows.len();
+    let table = (count > 0).then(|| table("poles λ with Im λ ≥ 0", &head, rows))?;
+    if count <= MANY_POLES {
+        return Some(table);
+    }
+    let summary = element("summary", &[], format!("All {count} poles with Im λ ≥ 0"));
+    let slowest = o.verified.as_ref().map(|c| c.poles.iter().map(|p| -p[0]).fold(f64::INFINITY, f64::min));
+    let words = slowest
+        .map(|s| paragraph(format!("The slowest pole of the loop decays at {} 1/s.", significant(s, 4))));
+    Some(words.unwrap_or_default().and(element("details", &[], summary.and(table))))
 }
 
 /// Its matrices.

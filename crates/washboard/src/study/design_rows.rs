@@ -133,3 +133,59 @@ impl DesignOutcome {
         rows
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::study::{DesignMethod, DesignSpec, Goal, design};
+
+    fn half_car(weights: &[&str], road: &str) -> DesignOutcome {
+        let minimize = weights.iter().map(|n| ((*n).to_owned(), 1.0)).collect();
+        let spec = DesignSpec {
+            vehicle: "case:turkay-half-car".into(),
+            road: road.into(),
+            speed_m_s: 20.0,
+            measurements: vec!["suspension_travel".into()],
+            method: DesignMethod::H2Limit,
+            input_weight: 1e-9,
+            goal: Goal { minimize, ..Goal::default() },
+            ..DesignSpec::default()
+        };
+        design(&spec).unwrap().0
+    }
+
+    #[test]
+    fn rows_stand_in_groups_and_corners_follow_their_vector() {
+        let outcome = half_car(&["heave_acceleration"], "case:turkay-white-velocity");
+        let rows = outcome.rows();
+        assert_eq!(rows.len(), outcome.passive.rms.iter().count());
+        let order: Vec<usize> =
+            rows.iter().map(|r| ResponseGroup::ALL.iter().position(|g| *g == r.group).unwrap()).collect();
+        assert!(order.is_sorted(), "{order:?}");
+        assert_eq!((rows[0].name, rows[0].unit), ("heave_acceleration", "m/s²"));
+        let at = rows.iter().position(|r| r.name == "suspension_travel").unwrap();
+        let after: Vec<(&str, Option<&str>)> =
+            rows[at + 1..at + 3].iter().map(|r| (r.short_name(), r.corner_of)).collect();
+        assert_eq!(after, [("front", Some("suspension_travel")), ("rear", Some("suspension_travel"))]);
+        // the whole is the root of the squares of its corners, in the same unit
+        let rms = |k: usize| rows[at + k].rms[0].and_then(Rms::finite).unwrap();
+        assert!((rms(0) / rms(1).hypot(rms(2)) - 1.0).abs() < 1e-12);
+        assert!(rows.iter().all(|r| !r.unit.is_empty() && r.rms[1].is_none() && r.rms_change().is_none()));
+    }
+
+    #[test]
+    fn every_output_of_every_car_has_its_group() {
+        for (case, expected) in [
+            ("heave_acceleration", ResponseGroup::Comfort),
+            ("driver_heave_acceleration", ResponseGroup::Comfort),
+            ("unsprung_acceleration_front_left", ResponseGroup::Wheels),
+            ("suspension_travel_rear", ResponseGroup::RattleSpace),
+            ("tire_deflection", ResponseGroup::TireLoad),
+            ("tire_force_front_left", ResponseGroup::TireLoad),
+            ("actuator_force_rear", ResponseGroup::Force),
+            ("hook_height", ResponseGroup::Other),
+        ] {
+            assert_eq!(ResponseGroup::of(case), expected, "{case}");
+        }
+    }
+}
