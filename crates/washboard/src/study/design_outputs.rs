@@ -66,17 +66,18 @@ pub(super) fn settling(spec: &DesignSpec, wandering: &[&str]) -> Result<(), Stud
     if wandering.is_empty() {
         return Ok(());
     }
-    let expected = match spec.disturbance {
+    let why = match spec.disturbance {
         DesignDisturbance::RoadVelocity | DesignDisturbance::RoadNoise => {
-            "outputs whose response dies away; the height of a road whose velocity is white noise has no bound, and these \
-             outputs follow it: take disturbance = \"road-noise\" on a road of kind first-order, or leave them out"
+            "which follow the road's height, and the height of a road whose velocity is white noise has no bound: take \
+             disturbance = \"road-noise\" on a road of kind first-order, or leave them out"
         }
         DesignDisturbance::RoadDisplacement => {
-            "outputs whose response dies away; a mode without damping, or none that brings it back, shows in these: damp \
-             it, or leave them out"
+            "in which a mode shows that has no damping, or nothing that brings it back: damp it, or leave them out"
         }
     };
-    Err(StudyError::Setting { field: "goal.minimize", expected: expected.into(), found: quoted(wandering) })
+    let expected = "outputs whose response dies away".to_owned();
+    let found = format!("{}, {why}", quoted(wandering));
+    Err(StudyError::Setting { field: "goal.minimize", expected, found })
 }
 
 /// Refuses a goal in the H2 norm with outputs that white noise reaches at once.

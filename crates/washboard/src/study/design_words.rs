@@ -142,10 +142,16 @@ pub(super) fn why(e: &SynthesisError, problem: &Problem, passive: &Measured) -> 
             }
             text
         }
-        SynthesisError::NoLevel { .. } => {
+        SynthesisError::NoLevel { level, why } => {
+            // X and Y are the solutions of the control and the filter equation
+            let why = why.replace("X: ", "the control equation: ").replace("Y: ", "the filter equation: ");
+            let why = match why.split_once("at frequency ") {
+                Some((what, omega)) if omega.parse::<f64>().is_ok() => format!("{what}at {omega} rad/s"),
+                _ => why,
+            };
             format!(
-                "{e}; raise lqg.sensor_noise, or weight the controls (input_weight): as it stands the equations are too \
-                 ill-conditioned to be solved"
+                "no controller was found at any H∞ level up to {level:e}; at the last, {why}. Raise lqg.sensor_noise, or \
+                 weight the controls (input_weight): as it stands the equations are too ill-conditioned to be solved"
             )
         }
         _ => e.to_string(),
