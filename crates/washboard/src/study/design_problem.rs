@@ -92,7 +92,12 @@ impl Problem {
         let mut wandering = Vec::new();
         for output in &wanted {
             if !settles(&vehicle.plant(&[output], &[], &settings).map_err(plant_error)?) {
-                wandering.push(output.name.as_str());
+                // corners stand or fall together: by the name that was asked for
+                let whole = names.contains(&output.base);
+                let name = if whole { output.base.as_str() } else { output.name.as_str() };
+                if !wandering.contains(&name) {
+                    wandering.push(name);
+                }
             }
         }
         settling(spec, &wandering)?;
