@@ -1,7 +1,7 @@
 //! Tables of text: columns aligned, numbers to the right, and numbers rounded to what a reader can use.
 
 /// Columns of a terminal that a sentence fills.
-const WIDTH: usize = 100;
+const WIDTH: usize = 80;
 
 /// Significant digits of a number in a table.
 const DIGITS: usize = 4;
@@ -132,7 +132,7 @@ mod tests {
         assert_eq!(wrapped("note: short"), "note: short\n");
         let long = "word ".repeat(50);
         let lines = wrapped(long.trim_end());
-        assert!(lines.lines().all(|l| l.len() <= WIDTH) && lines.lines().count() == 3, "{lines}");
+        assert!(lines.lines().all(|l| l.len() <= WIDTH) && lines.lines().count() == 4, "{lines}");
         assert_eq!(lines.split_whitespace().count(), 50);
     }
 

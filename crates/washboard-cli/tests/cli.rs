@@ -267,6 +267,14 @@ fn the_classical_methods_answer_and_say_what_they_are() {
         assert!(found["rejected"].as_array().is_some_and(|r| !r.is_empty()), "{method}");
         assert!(found["singular_values"]["values"].is_array(), "{method}");
     }
+    // segments that the drive has not four of: the longest that it takes, in seconds, and that one is taken
+    let fdd = |s: &str| folder.run(&format!("identify RUN.toml --method fdd --segment-s {s} --json"));
+    let refused = fdd("240");
+    assert!(refused.status == 2 && refused.stderr.contains("to 30 s (a quarter"), "{}", refused.stderr);
+    let refused = fdd("60").stderr;
+    let longest = refused.split("segment_s: expected at most ").nth(1).and_then(|s| s.split(' ').next());
+    let longest: f64 = longest.unwrap_or_else(|| panic!("{refused}")).parse().unwrap();
+    assert!(longest > 29.0 && longest <= 30.0 && fdd(&longest.to_string()).status <= 1, "{refused}");
 }
 
 #[test]

@@ -55,7 +55,10 @@ fn a_design_is_made_ridden_on_and_shown_again() {
     fs::write(folder.0.join("design.toml"), format!("{DESIGN}[discretize]\ndt_s = 0.001\n")).unwrap();
     let (status, out, err) = folder.run("design design.toml -o made");
     assert_eq!(status, 0, "{err}");
-    assert!(out.contains("designed: order 4") && out.contains("sprung_acceleration"), "{out}");
+    assert!(
+        out.contains("designed: a controller of order 4") && out.contains("sprung_acceleration"),
+        "{out}"
+    );
     for file in ["result.json", "report.html", "controller.json", "controller.mat", "controller.h"] {
         assert!(folder.0.join("made").join(file).is_file(), "{file}");
     }
@@ -94,7 +97,7 @@ fn a_design_is_made_ridden_on_and_shown_again() {
     let (status, _, err) = folder.run("report edited");
     assert!(status == 2 && err.contains("order: expected 4"), "{err}");
     let (status, out, _) = folder.run("respond car.toml --speed-m-s 12.5 --bump 0.1,2 --controller made");
-    assert!(status == 0 && out.contains("less than passive"), "{out}");
+    assert!(status == 0 && out.contains("change, %"), "{out}");
 }
 
 #[test]
@@ -220,4 +223,97 @@ fn wrong_designs_are_answered_by_field() {
     let (status, out, err) = folder
         .run("ride case:turkay-quarter-car --road case:iso8608-c --speed-m-s 20 --controller none.json");
     assert!(status == 2 && out.is_empty() && err.contains("none.json"), "{err}");
+}
+
+#[test]
+fn the_printed_table_has_units_and_fits_a_terminal() {
+    let folder = Folder::new("table");
+    let text = "vehicle = \"case:chalasani-full-car\"\nroad = \"case:turkay-first-order\"\nspeed_m_s = 20.0\n\
+                measurements = [\"suspension_travel\"]\nmethod = \"lqg\"\ndisturbance = \"road-noise\"\ninput_weight = 1e-6\n\
+                [goal]\nminimize = { heave_acceleration = 1.0, suspension_travel = 1.0, tire_deflection = 1.0 }\n";
+    fs::write(folder.0.join("design.toml"), text).unwrap();
+    let (status, out, err) = folder.run("design design.toml");
+    assert_eq!(status, 0, "{err}");
+    for line in out.lines() {
+        assert!(line.chars().count() <= 80, "{} columns: {line}", line.chars().count());
+    }
+    let (_, made, _) = folder.run("design design.toml --json");
+    let made: Value = serde_json::from_str(&made).unwrap();
+    let units = made["units"].as_object().unwrap();
+    assert_eq!(units.len(), made["passive"]["rms"].as_object().unwrap().len());
+    // every output of the first table is a line with its unit, its corners below it
+    let table = out.split("rms on the road").nth(1).unwrap().split("\n\n").next().unwrap();
+    let rows: Vec<Vec<&str>> = table.lines().skip(1).map(|l| l.split_whitespace().collect()).collect();
+    let with_unit = |r: &&Vec<&str>| r.len() > 2 && ["m/s²", "rad/s²", "m", "N"].contains(&r[1]);
+    assert_eq!(rows.iter().filter(with_unit).count(), units.len(), "{table}");
+    assert!(out.contains("names without a corner stand for all: suspension_travel for front_left,"), "{out}");
+    assert!(out.contains("m/s² per unit noise") && out.contains("limit"), "{out}");
+    // no loop, no column for one
+    fs::write(folder.0.join("design.toml"), text.replace("\"lqg\"", "\"h2-limit\"")).unwrap();
+    let (status, out, err) = folder.run("design design.toml");
+    assert_eq!(status, 0, "{err}");
+    assert!(out.contains("no closed loop to show"), "{out}");
+    assert!(!out.split("rms on the road").nth(1).unwrap().contains("closed "), "{out}");
+}
+
+#[test]
+fn what_a_designer_gets_wrong_is_said_with_what_to_do() {
+    let folder = Folder::new("help");
+    let refused = |text: &str, words: &[&str]| {
+        let (status, _, err) = folder.design(text);
+        assert_eq!(status, 2, "{err}");
+        words.iter().for_each(|w| assert!(err.contains(w), "{w}: {err}"));
+    };
+    // a white height moves the tire at once: which outputs, why, what instead
+    let height = DESIGN
+        .replace("= 98.0", "= 0.0")
+        .replace("method =", "disturbance = \"road-displacement\"\nmethod =");
+    refused(
+        &height,
+        &["disturbance: expected road-velocity", "`tire_deflection`", "the H2 norm is infinite"],
+    );
+    // one sensor is not two
+    let full = DESIGN
+        .replace("[override]\ntire_damping_n_s_per_m = 98.0\n", "")
+        .replace("turkay-quarter-car", "turkay-half-car")
+        .replace("sprung_acceleration", "heave_acceleration");
+    let measured = |list: &str| full.replace("[\"suspension_travel\"]", list);
+    refused(
+        &measured("[\"suspension_travel\", \"suspension_travel_rear\"]"),
+        &["`suspension_travel_rear` twice: in `suspension_travel` and in `suspension_travel_rear`"],
+    );
+    refused(
+        &measured("[\"suspension_travel\", \"suspension_travel\"]"),
+        &["measurements: expected each output once, found `suspension_travel` twice"],
+    );
+    // magnitudes to begin with, where a weight or a noise is missing
+    let why = |text: &str| folder.design(text).1["why"].as_str().unwrap_or_default().to_owned();
+    let free = DESIGN.replace("sprung_acceleration = 1.0, ", "");
+    assert!(
+        why(&free).contains("input_weight = 1.5e-10 (1/N²) makes a force of 1 kN rms on this road"),
+        "{}",
+        why(&free)
+    );
+    let exact = why(&format!("{DESIGN}[lqg]\nsensor_noise = 0.0\n"));
+    assert!(exact.contains("an accelerometer of 100 µg/√Hz has 4.8e-7 (m/s²)² s"), "{exact}");
+}
+
+#[test]
+fn a_bump_with_a_controller_says_by_how_much_peaks_change() {
+    let folder = Folder::new("bump");
+    let soft = r#"{"a": [], "b": [], "c": [[]], "d": [[1000.0]], "inputs": ["suspension_travel"], "outputs": ["actuator"]}"#;
+    fs::write(folder.0.join("k.json"), soft).unwrap();
+    let bump = "respond case:turkay-quarter-car --speed-m-s 12.5 --bump 0.1,2";
+    let (_, passive, _) = folder.run(bump);
+    assert!(!passive.contains("change"), "{passive}");
+    let (status, out, err) = folder.run(&format!("{bump} --controller k.json"));
+    assert_eq!(status, 0, "{err}");
+    let cell = |text: &str, k: usize| -> f64 {
+        let row = text.lines().find(|l| l.starts_with("sprung_acceleration")).unwrap();
+        row.split_whitespace().nth(k).unwrap().parse().unwrap()
+    };
+    // from the two peaks as they are printed, four digits each
+    let change = 100.0 * (cell(&out, 2) / cell(&passive, 2) - 1.0);
+    assert!((change - cell(&out, 4)).abs() < 0.1, "{change}: {out}");
+    assert!(out.contains("change, %") && !out.contains("less than"), "{out}");
 }

@@ -59,7 +59,7 @@
   }
 
   const drawn = [];
-  document.querySelectorAll(".canvas").forEach((place) => {
+  const draw = (place) => {
     const plot = plots[+place.dataset.plot], wide = place.parentElement.classList.contains("wide");
     const height = (width) => wide ? Math.max(260, Math.min(430, width * 0.5)) : Math.max(190, Math.min(250, width * 0.52));
     const told = plot.hover.length > 0;
@@ -91,6 +91,12 @@
       row.querySelector("th").style.color = overlay.signOf(s.sign || 0).color;
     });
     drawn.push({ u, place, height, wide });
+  };
+  // what is folded has no width yet: it is drawn when it is opened
+  document.querySelectorAll(".canvas").forEach((place) => {
+    const folded = place.closest("details:not([open])");
+    if (folded) folded.addEventListener("toggle", () => draw(place), { once: true });
+    else draw(place);
   });
 
   const fit = (to) => drawn.forEach(({ u, place, height, wide }) => {

@@ -9,8 +9,7 @@ use std::process::ExitCode;
 use washboard::files::{FileError, check_target_directory, write_directory};
 use washboard::report::design_page;
 use washboard::study::{
-    DesignOutcome, DesignSpec, DesignStatus, Envelope, Input, Measured, Rms, StudyError, controller_files,
-    design,
+    DesignOutcome, DesignSpec, DesignStatus, Envelope, Input, Rms, StudyError, controller_files, design,
 };
 
 /// Design a controller, and certify it.
@@ -61,22 +60,9 @@ pub fn run(a: Arguments, output: Output) -> Result<ExitCode, Failure> {
 
 fn table(o: &DesignOutcome) -> String {
     let d = &o.design;
-    let mut text = wrapped(&format!(
-        "{} on {} at {} m/s, method {}, measuring {}",
-        d.vehicle,
-        d.road,
-        d.speed_m_s,
-        d.method.name(),
-        d.measurements.join(", ")
-    ));
-    let status = match o.status {
-        DesignStatus::Designed => format!("designed: order {}", o.order.unwrap_or(0)),
-        DesignStatus::Limit => "the limit of what any controller can reach".to_owned(),
-        DesignStatus::Infeasible => "infeasible".to_owned(),
-        DesignStatus::Stalled => "stalled".to_owned(),
-        DesignStatus::Refused => "refused".to_owned(),
-    };
-    let _ = writeln!(text, "{status}");
+    let mut text = wrapped(&format!("{} on {} at {} m/s", d.vehicle, d.road, d.speed_m_s));
+    text += &wrapped(&format!("method {}, measuring {}", d.method.name(), d.measurements.join(", ")));
+    text += &wrapped(&format!("{}: {}", status(o.status), o.verdict()));
     if let Some(why) = &o.why {
         text += &wrapped(&format!("! {why}"));
     }
@@ -86,51 +72,97 @@ fn table(o: &DesignOutcome) -> String {
     for n in &o.notes {
         text += &wrapped(&format!("note: {}", n.text));
     }
-    text += "\n";
-    text += &norms(&o.passive, o.verified.as_ref());
-    text += "\n";
-    for (name, value) in o.objective.iter() {
-        let _ = writeln!(text, "objective, {name}: {}", number(*value));
+    if let Some(no_loop) = o.no_loop() {
+        text += &wrapped(&format!("note: {no_loop}"));
     }
-    for (name, value) in o.claimed.iter() {
-        let _ = writeln!(text, "claimed {name}: {}", number(*value));
-    }
+    let parts = [rms(o), peaks(o), goal(o), claims(o)];
+    parts.into_iter().filter(|p| !p.is_empty()).for_each(|p| text += &format!("\n{p}"));
     if let Some(v) = &o.verified {
         let margin = v.poles.iter().map(|p| -p[0]).fold(f64::INFINITY, f64::min);
-        let _ = writeln!(
-            text,
-            "closed loop: {} poles, the slowest decays at {} 1/s",
-            v.poles.len(),
-            number(margin)
-        );
+        let slowest = number(margin);
+        let _ = writeln!(text, "\nclosed loop: {} poles, the slowest decays at {slowest} 1/s", v.poles.len());
     }
     text
 }
 
-/// rms on the road and H∞ norms, passive and closed, with the change in percent.
-fn norms(passive: &Measured, closed: Option<&Measured>) -> String {
-    let mut rows = Table::new(&["<", "rms passive", "rms closed", "%", "peak gain passive", "closed", "%"]);
-    let show = |r: Option<&Rms>| match r {
-        Some(Rms::Finite(v)) => number(*v),
+/// The word of the JSON.
+fn status(status: DesignStatus) -> &'static str {
+    match status {
+        DesignStatus::Designed => "designed",
+        DesignStatus::Limit => "limit",
+        DesignStatus::Infeasible => "infeasible",
+        DesignStatus::Stalled => "stalled",
+        DesignStatus::Refused => "refused",
+    }
+}
+
+/// Columns of passive, closed and change, or of the passive one alone where there is no loop.
+fn columns<'a>(o: &DesignOutcome, first: &'a str) -> Vec<&'a str> {
+    let all = [first, "<unit", "passive", "closed", "%"];
+    all[..if o.verified.is_some() { 5 } else { 3 }].to_vec()
+}
+
+fn share(change: Option<f64>) -> String {
+    change.map(|c| format!("{:+.1}", 100.0 * c)).unwrap_or_default()
+}
+
+/// rms on the road: every output, by groups.
+fn rms(o: &DesignOutcome) -> String {
+    let show = |r: Option<Rms>| match r {
+        Some(Rms::Finite(v)) => number(v),
         Some(Rms::Infinite(_)) => "infinite".to_owned(),
         None => String::new(),
     };
-    let change = |before: Option<f64>, after: Option<f64>| match (before, after) {
-        (Some(b), Some(a)) if b > 0.0 => format!("{:+.1}", 100.0 * (a / b - 1.0)),
-        _ => String::new(),
-    };
-    for (name, before) in passive.rms.iter() {
-        let after = closed.and_then(|c| c.rms.get(name));
-        let peaks = (passive.hinf.get(name).copied(), closed.and_then(|c| c.hinf.get(name)).copied());
-        rows.row([
-            name.to_owned(),
-            show(Some(before)),
-            show(after),
-            change(before.finite(), after.and_then(|r| r.finite())),
-            peaks.0.map(number).unwrap_or_default(),
-            peaks.1.map(number).unwrap_or_default(),
-            change(peaks.0, peaks.1),
-        ]);
+    let mut rows = Table::new(&columns(o, "<rms on the road"));
+    let mut group = None;
+    for r in o.rows() {
+        if group != Some(r.group) {
+            rows.row([r.group.heading().to_owned()]);
+            group = Some(r.group);
+        }
+        let indent = if r.corner_of.is_some() { "    " } else { "  " };
+        let name = format!("{indent}{}", r.short_name());
+        let cells = [name, r.unit.to_owned(), show(r.rms[0]), show(r.rms[1]), share(r.rms_change())];
+        rows.row(cells.into_iter().take(columns(o, "").len()));
     }
-    rows.text()
+    if group.is_some() { rows.text() } else { String::new() }
+}
+
+/// Largest gains: whole vectors alone, since the page has the corners.
+fn peaks(o: &DesignOutcome) -> String {
+    let mut rows = Table::new(&columns(o, "<largest gain over frequency"));
+    for r in o.rows().iter().filter(|r| r.corner_of.is_none()) {
+        let show = |v: Option<f64>| v.map(number).unwrap_or_default();
+        let unit = format!("{} per {}", r.unit, o.per());
+        let cells = [r.name.to_owned(), unit, show(r.peak[0]), show(r.peak[1]), share(r.peak_change())];
+        rows.row(cells.into_iter().take(columns(o, "").len()));
+    }
+    if rows.is_empty() { String::new() } else { rows.text() }
+}
+
+/// The value of the goal: passive, closed, and what none can beat, where these are known.
+fn goal(o: &DesignOutcome) -> String {
+    let value = |name: &str| o.objective.get(name).copied();
+    let (passive, closed, limit) = (value("passive"), value("verified"), value("limit"));
+    let change = passive.zip(closed).filter(|(p, _)| *p > 0.0).map(|(p, c)| c / p - 1.0);
+    let known = [
+        ("passive", passive.map(number)),
+        ("closed", closed.map(number)),
+        ("%", change.map(|c| share(Some(c)))),
+        ("limit", limit.map(number)),
+    ];
+    let mut head = vec!["<goal, of norms over passive ones"];
+    head.extend(known.iter().filter(|(_, v)| v.is_some()).map(|(name, _)| *name));
+    let mut rows = Table::new(&head);
+    rows.row(std::iter::once(o.goal_words().to_owned()).chain(known.into_iter().filter_map(|(_, v)| v)));
+    if head.len() > 1 { rows.text() } else { String::new() }
+}
+
+fn claims(o: &DesignOutcome) -> String {
+    let mut rows = Table::new(&["<claimed and recomputed", "value", "<unit"]);
+    for (name, value) in o.claimed.iter() {
+        let (words, unit) = o.claim_words(name);
+        rows.row([words, number(*value), unit]);
+    }
+    if rows.is_empty() { String::new() } else { rows.text() }
 }

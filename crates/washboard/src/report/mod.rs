@@ -3,6 +3,8 @@
 mod argand;
 mod compare;
 mod design;
+mod design_gains;
+mod design_tables;
 mod fit;
 mod foot;
 mod headline;

@@ -2,6 +2,7 @@
 
 use super::design_outcome::DesignOutcome;
 use super::design_problem::Problem;
+use super::design_words::short_numbers;
 use super::{Flag, StudyError};
 use crate::lti::{Continuous, StateSpace};
 use crate::synthesis::SynthesisError;
@@ -68,7 +69,7 @@ pub(super) fn by_interpolation(
         .extend(found.warnings.iter().map(|text| Flag { name: "interpolation".into(), text: text.clone() }));
     if let Some(why) = &found.exact_match {
         let text = format!("the acceleration of the copied design can't be had exactly on this tire: {why}");
-        outcome.notes.push(Flag { name: "no-exact-match".into(), text });
+        outcome.notes.push(Flag { name: "no-exact-match".into(), text: short_numbers(&text) });
     }
     Ok(Some(found.system))
 }

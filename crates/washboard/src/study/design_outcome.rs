@@ -34,6 +34,9 @@ pub struct DesignOutcome {
     pub warnings: Vec<Flag>,
     /// What holds for every such result.
     pub notes: Vec<Flag>,
+    /// SI units of outputs and stacked vectors.
+    #[serde(default, skip_serializing_if = "Named::is_empty")]
+    pub units: Named<String>,
     /// Gains over frequency from the disturbances to each output (largest singular value), passive and closed.
     pub gains: Gains,
     /// Forces that the controller needs, N rms on the road, by actuator; empty where they are infinite or none.

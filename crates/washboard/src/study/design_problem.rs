@@ -1,17 +1,11 @@
 //! From a design's words to its plant: outputs, measurements, weights over passive norms.
 
-use super::design_outcome::{Gains, Measured};
-use super::{
-    DesignMethod, DesignSpec, Infinite, LoadedRoad, Named, Rms, StudyError, load_road, load_vehicle,
-};
-use crate::linalg::C64;
-use crate::lti::{Continuous, GeneralizedPlant, LtiError, StateSpace};
-use crate::units::rad_per_s;
-use crate::vehicle::{Control, Output, PlantSettings, Ride, Variance, Vehicle, VehicleSpec};
-
-/// Where gains are looked at, Hz, evenly in log f.
-const GAINS_HZ: [f64; 2] = [0.05, 50.0];
-const POINTS: usize = 240;
+pub(super) use super::design_measure::Norm;
+use super::design_measure::floor;
+use super::design_outputs::{finite, once, outputs, settles, settling, shown};
+use super::{DesignMethod, DesignSpec, LoadedRoad, Named, StudyError, load_road, load_vehicle};
+use crate::lti::{GeneralizedPlant, LtiError};
+use crate::vehicle::{Output, PlantSettings, Vehicle, VehicleSpec};
 
 /// A design made ready.
 pub(super) struct Problem {
@@ -78,8 +72,11 @@ impl Problem {
             disturbance: spec.disturbance.into(),
             delay_order: spec.delay_order,
         };
+        let design_error =
+            |e: LtiError| StudyError::Design { name: spec.vehicle.clone(), source: Box::new(e.into()) };
         let plant_error = |source| StudyError::Plant { name: spec.vehicle.clone(), source: Box::new(source) };
         let measurements = outputs(&vehicle, &spec.measurements, "measurements")?;
+        once(&vehicle, &spec.measurements)?;
         if measurements.is_empty() {
             return Err(StudyError::Setting {
                 field: "measurements",
@@ -92,16 +89,18 @@ impl Problem {
         // a wanted output that can't be a performance is an error; of the others, those that can be are shown
         let y: Vec<&Output> = measurements.iter().collect();
         vehicle.plant(&wanted.iter().collect::<Vec<_>>(), &y, &settings).map_err(plant_error)?;
+        let mut wandering = Vec::new();
         for output in &wanted {
-            let alone = vehicle.plant(&[output], &[], &settings).map_err(plant_error)?;
-            if !settles(&alone) {
-                return Err(StudyError::Setting {
-                    field: "goal.minimize",
-                    expected: "outputs that settle; on white road velocity a height wanders off (take another output, or a filtered road with disturbance road-noise)".into(),
-                    found: format!("`{}`", output.name),
-                });
+            if !settles(&vehicle.plant(&[output], &[], &settings).map_err(plant_error)?) {
+                // corners stand or fall together: by the name that was asked for
+                let whole = names.contains(&output.base);
+                let name = if whole { output.base.as_str() } else { output.name.as_str() };
+                if !wandering.contains(&name) {
+                    wandering.push(name);
+                }
             }
         }
+        settling(spec, &wandering)?;
         let reported: Vec<Output> = vehicle
             .outputs()
             .iter()
@@ -121,31 +120,35 @@ impl Problem {
                 z.iter().map(|o| other.output(&o.name)).collect::<Result<Vec<_>, _>>().map_err(of_file)?;
             other.plant(&z, &[], &settings).map_err(plant_error)?.passive()
         };
+        if !reference.is_stable().map_err(design_error)? {
+            settling(spec, &names.iter().map(String::as_str).collect::<Vec<_>>())?;
+        }
+        if norm == Norm::H2 {
+            finite(
+                spec,
+                &wanted,
+                &vehicle.plant(&wanted.iter().collect::<Vec<_>>(), &[], &settings).map_err(plant_error)?,
+            )?;
+        }
         let mut goals = Vec::new();
         for (name, weight) in weights.iter() {
             let members: Vec<usize> = (0..reported.len())
                 .filter(|i| reported[*i].name == name || reported[*i].base == name)
                 .collect();
-            let passive = norm
-                .of(&reference, &members)
-                .map_err(|e| StudyError::Design { name: spec.vehicle.clone(), source: Box::new(e.into()) })?;
-            let floor = floor(&reported, &reference, name);
-            if !(passive > floor) {
+            let passive = norm.of(&reference, &members).map_err(design_error)?;
+            if !(passive > floor(&reported, &reference, name)) {
                 return Err(StudyError::Setting {
                     field: "goal.minimize",
-                    expected: "outputs that the road moves".into(),
-                    found: format!("{name}, whose passive norm is {passive}"),
+                    expected:
+                        "outputs that this road moves (with coherence full, left and right tracks are alike)"
+                            .into(),
+                    found: format!("`{name}`, which stands still"),
                 });
             }
             goals.push(GoalBlock { name: name.to_owned(), members, weight: *weight, passive });
         }
         let inputs = loaded.inputs.into_iter().chain(road.inputs.clone()).collect();
         Ok(Problem { spec: spec.clone(), file, vehicle, road, reported, measurements, goals, plant, inputs })
-    }
-
-    /// What a passive H∞ norm must be above to be more than rounding.
-    pub fn floor(&self, name: &str) -> f64 {
-        floor(&self.reported, &self.plant.passive(), name)
     }
 
     /// The plant whose performances are the goals, weighted over their passive norms.
@@ -162,70 +165,6 @@ impl Problem {
         self.plant.select(&names, &y)?.with_weights(&factors)
     }
 
-    /// Norms and rms of the passive vehicle, or of the loop with a controller.
-    pub fn measure(&self, controller: Option<&StateSpace<Continuous>>) -> Result<Measured, StudyError> {
-        let design =
-            |e: LtiError| StudyError::Design { name: self.spec.vehicle.clone(), source: Box::new(e.into()) };
-        let closed = match controller {
-            Some(k) => self.plant.close(k).map_err(design)?,
-            None => self.plant.passive(),
-        };
-        let mut measured = Measured {
-            poles: closed.poles().map_err(design)?.iter().map(|p| [p.re, p.im]).collect(),
-            stable: closed.is_stable().map_err(design)?,
-            ..Measured::default()
-        };
-        measured.poles.sort_by(|a, b| a[0].hypot(a[1]).total_cmp(&b[0].hypot(b[1])));
-        if !measured.stable {
-            return Ok(measured);
-        }
-        let inputs: Vec<usize> = (0..closed.inputs()).collect();
-        for (name, members) in self.blocks() {
-            let one = closed.select(&members, &inputs).map_err(design)?;
-            let h2 = match one.h2_norm() {
-                Ok(v) => Rms::Finite(v),
-                Err(LtiError::NotStrictlyProper { .. }) => Rms::Infinite(Infinite::Infinite),
-                Err(e) => return Err(design(e)),
-            };
-            let peak = one.hinf_norm().map_err(design)?;
-            measured.h2.insert(&name, h2);
-            measured.hinf.insert(&name, peak.norm);
-            let at = peak.omega_rad_s;
-            measured.hinf_at_rad_s.insert(&name, at.is_finite().then_some(at));
-        }
-        measured.rms = self.rms(controller)?;
-        Ok(measured)
-    }
-
-    /// rms on the road, exact delays.
-    fn rms(&self, controller: Option<&StateSpace<Continuous>>) -> Result<Named<Rms>, StudyError> {
-        let fail = |source| StudyError::Ride { name: self.spec.vehicle.clone(), source };
-        let control = controller
-            .map(|k| {
-                let y: Vec<String> = self.measurements.iter().map(|o| o.name.clone()).collect();
-                let u: Vec<String> = self.vehicle.actuators().iter().map(|a| a.name.clone()).collect();
-                Control::new(&self.vehicle, k.clone(), &y, &u)
-            })
-            .transpose()
-            .map_err(|e| fail(e.into()))?;
-        let (road, speed) = (&self.road.road, self.spec.speed_m_s);
-        let ride = match &control {
-            Some(c) => Ride::controlled(&self.vehicle, road, speed, c),
-            None => Ride::new(&self.vehicle, road, speed),
-        }
-        .map_err(fail)?;
-        let outputs: Vec<&Output> = self.reported.iter().collect();
-        let variances = ride.variances(&outputs).map_err(fail)?;
-        let blocks = self.blocks().into_iter().map(|(name, members)| {
-            let sum = members.iter().map(|i| variances[*i]).try_fold(0.0, |sum, v| match v {
-                Variance::Finite(v) => Some(sum + v.max(0.0)),
-                Variance::Infinite(_) => None,
-            });
-            (name, sum.map_or(Rms::Infinite(Infinite::Infinite), |v| Rms::Finite(v.sqrt())))
-        });
-        Ok(blocks.collect())
-    }
-
     /// Stacked vectors and single outputs, in the vehicle's order.
     pub fn blocks(&self) -> Vec<(String, Vec<usize>)> {
         let mut blocks: Vec<(String, Vec<usize>)> = Vec::new();
@@ -239,97 +178,12 @@ impl Problem {
         blocks
     }
 
-    /// Gains over frequency.
-    pub fn gains(&self, controller: Option<&StateSpace<Continuous>>) -> Result<Gains, StudyError> {
-        let design =
-            |e: LtiError| StudyError::Design { name: self.spec.vehicle.clone(), source: Box::new(e.into()) };
-        let step = (GAINS_HZ[1] / GAINS_HZ[0]).ln() / (POINTS - 1) as f64;
-        let freq_hz: Vec<f64> = (0..POINTS).map(|i| GAINS_HZ[0] * (step * i as f64).exp()).collect();
-        let omegas: Vec<f64> = freq_hz.iter().map(|f| rad_per_s(*f)).collect();
-        let of = |g: &StateSpace<Continuous>| -> Result<Named<Vec<f64>>, StudyError> {
-            let responses = g.frequency_response(&omegas).map_err(design)?;
-            let own = self.blocks().into_iter().map(|(name, members)| {
-                let gain = |r: &crate::linalg::CMat| {
-                    let rows: Vec<C64> = members
-                        .iter()
-                        .flat_map(|i| (0..r.ncols()).map(move |j| (*i, j)))
-                        .map(|(i, j)| r[(i, j)])
-                        .collect();
-                    let block = crate::linalg::CMat::from_fn(members.len(), r.ncols(), |i, j| {
-                        rows[i * r.ncols() + j]
-                    });
-                    block.singular_values().ok().and_then(|s| s.first().copied()).unwrap_or(f64::NAN)
-                };
-                (name, responses.iter().map(gain).collect())
-            });
-            Ok(own.collect())
+    /// Units of stacked vectors and single outputs.
+    pub fn units(&self) -> Named<String> {
+        let unit = |(name, members): (String, Vec<usize>)| {
+            let unit = members.first().map_or("", |i| self.reported[*i].unit);
+            (name, unit.to_owned())
         };
-        let passive = of(&self.plant.passive())?;
-        let closed = match controller {
-            Some(k) => of(&self.plant.close(k).map_err(design)?)?,
-            None => Named::default(),
-        };
-        Ok(Gains { freq_hz, passive, closed })
+        self.blocks().into_iter().map(unit).collect()
     }
-}
-
-/// What a symmetric vehicle cancels is a small share of what outputs of the same kind show.
-fn floor(reported: &[Output], passive: &StateSpace<Continuous>, name: &str) -> f64 {
-    const ROUNDING: f64 = 1e-9;
-    let kind =
-        |n: &str| ["acceleration", "travel", "deflection", "force"].into_iter().find(|k| n.contains(k));
-    let alike: Vec<usize> = (0..reported.len()).filter(|i| kind(&reported[*i].name) == kind(name)).collect();
-    ROUNDING * Norm::Hinf.of(passive, &alike).unwrap_or(0.0)
-}
-
-/// The norm that a method minimises.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Norm {
-    H2,
-    Hinf,
-}
-
-impl Norm {
-    pub fn of(self, g: &StateSpace<Continuous>, members: &[usize]) -> Result<f64, LtiError> {
-        let one = g.select(members, &(0..g.inputs()).collect::<Vec<_>>())?;
-        match self {
-            Norm::H2 => one.h2_norm(),
-            Norm::Hinf => Ok(one.hinf_norm()?.norm),
-        }
-    }
-}
-
-/// What a suspension engineer looks at; displacements follow the road and say little.
-fn shown(output: &Output) -> bool {
-    ["acceleration", "travel", "deflection", "force"].iter().any(|word| output.base.contains(word))
-}
-
-/// Whether the response has no mode on the axis.
-fn settles(plant: &GeneralizedPlant) -> bool {
-    plant.passive().minimal(1e-10).is_ok_and(|g| g.is_stable().unwrap_or(false))
-}
-
-/// Outputs by names, a base name meaning all of its components.
-fn outputs(vehicle: &Vehicle, names: &[String], field: &'static str) -> Result<Vec<Output>, StudyError> {
-    let mut found: Vec<Output> = Vec::new();
-    for name in names {
-        let members: Vec<&Output> =
-            vehicle.outputs().iter().filter(|o| o.name == *name || o.base == *name).collect();
-        if members.is_empty() {
-            let known = vehicle.outputs().iter().flat_map(|o| [o.name.as_str(), o.base.as_str()]);
-            let near = crate::files::nearest(name, known)
-                .map_or_else(String::new, |n| format!(" (did you mean `{n}`?)"));
-            return Err(StudyError::Setting {
-                field,
-                expected: format!("outputs of the vehicle{near}"),
-                found: format!("`{name}`"),
-            });
-        }
-        for o in members {
-            if !found.contains(o) {
-                found.push(o.clone());
-            }
-        }
-    }
-    Ok(found)
 }

@@ -1,5 +1,6 @@
 //! What a job refuses: the message names the file or the field, what was expected and what was found.
 
+use super::design_words::short_numbers;
 use crate::cases::CaseError;
 use crate::files::FileError;
 use crate::signal::SignalError;
@@ -51,7 +52,7 @@ pub enum StudyError {
         source: Box<PlantError>,
     },
     /// A design that cannot be computed.
-    #[error("{name}: {source}")]
+    #[error("{name}: {}", short_numbers(&source.to_string()))]
     Design {
         /// The vehicle's file or `case:NAME`.
         name: String,

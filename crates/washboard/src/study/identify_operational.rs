@@ -21,6 +21,9 @@ const LINE_DAMPING: f64 = 0.05;
 /// Multiples of a fundamental beyond this stand too close to each other to accuse a mode.
 const HIGHEST_MULTIPLE: f64 = 8.0;
 
+/// Segments side by side that frequency domain decomposition wants.
+pub(super) const FDD_SEGMENTS: usize = 4;
+
 /// What a method found, before lines are told from modes.
 struct Found {
     modes: Vec<IdentifiedMode>,
@@ -36,6 +39,9 @@ pub(super) fn run(
 ) -> Result<IdentifyOutcome, StudyError> {
     let factor = (task.recording.rate_hz() / (RATE_OVER_BAND * task.band_hz[1])).floor().max(1.0) as usize;
     let recording = task.recording.decimated(factor)?;
+    if method == IdentifyMethod::Fdd {
+        room_for_segments(&recording, segment_s)?;
+    }
     let found = match method {
         IdentifyMethod::Plscf => by_plscf(task, &recording),
         IdentifyMethod::Fdd => by_fdd(task, &recording, segment_s),
@@ -127,8 +133,32 @@ fn of_diagram(
     }
 }
 
+/// Refuses segments that a recording has not four of: singular values of fewer say nothing.
+fn room_for_segments(recording: &Recording, segment_s: Option<f64>) -> Result<(), StudyError> {
+    let (samples, rate_hz) = (recording.len(), recording.rate_hz());
+    let longest = samples / FDD_SEGMENTS / 4 * 4;
+    match segment_s {
+        Some(asked) if fdd_segment(asked, rate_hz) > longest => Err(StudyError::Setting {
+            field: "segment_s",
+            expected: format!(
+                "at most {:.2} s for method fdd, a quarter of what it can use of the recording, {:.2} s",
+                // down, so that what is said is taken
+                (100.0 * longest as f64 / rate_hz).floor() / 100.0,
+                samples as f64 / rate_hz
+            ),
+            found: format!("{asked} s"),
+        }),
+        _ => Ok(()),
+    }
+}
+
+/// Samples of a segment: a multiple of four, as its overlap wants.
+fn fdd_segment(segment_s: f64, rate_hz: f64) -> usize {
+    (segment_s * rate_hz / 4.0).round() as usize * 4
+}
+
 fn by_fdd(task: &Task<'_>, recording: &Recording, segment_s: Option<f64>) -> Result<Found, OperationalError> {
-    let segment = segment_s.map(|s| (s * recording.rate_hz() / 4.0).round() as usize * 4);
+    let segment = segment_s.map(|s| fdd_segment(s, recording.rate_hz()));
     let settings = FddSettings { band_hz: Some(task.band_hz), segment, ..FddSettings::default() };
     let found = fdd(recording.samples(), recording.rate_hz(), &settings)?;
     let mut rejected: Vec<RejectedMode> = found.rejected.iter().map(left_out).collect();

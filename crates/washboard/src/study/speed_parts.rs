@@ -1,8 +1,9 @@
 //! What is identified as one run: a whole recording, or the parts of one whose speed varies.
 
 use super::drives::{segments, spectra_of_pieces};
+use super::identify_operational::FDD_SEGMENTS;
 use super::identify_outcome::Flag;
-use super::{IdentifySpec, StudyError};
+use super::{IdentifyMethod, IdentifySpec, StudyError};
 use crate::signal::{CrossSpectra, Recording, SpeedClass, SpeedCutSettings, by_speed};
 use std::ops::Range;
 
@@ -96,13 +97,16 @@ fn whole(recording: &Recording, name: &str, spec: &IdentifySpec) -> Result<Part,
         && !(FEWEST_SAMPLES..=recording.len()).contains(&len)
     {
         let shortest = FEWEST_SAMPLES as f64 / recording.rate_hz();
+        let (longest, which) = match spec.method {
+            IdentifyMethod::Fdd => {
+                (recording.duration_s() / FDD_SEGMENTS as f64, "a quarter of the recording, for method fdd")
+            }
+            _ => (recording.duration_s(), "the recording"),
+        };
         return Err(StudyError::Setting {
             field: "segment_s",
-            expected: format!(
-                "from {shortest} s ({FEWEST_SAMPLES} samples) to the recording's {} s",
-                recording.duration_s()
-            ),
-            found: asked.to_string(),
+            expected: format!("from {shortest} s ({FEWEST_SAMPLES} samples) to {longest} s ({which})",),
+            found: format!("{asked} s"),
         });
     }
     let pieces: Vec<Range<usize>> = std::iter::once(0..recording.len()).collect();

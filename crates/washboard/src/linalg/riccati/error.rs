@@ -11,7 +11,7 @@ pub enum RiccatiError {
     Linalg(#[from] LinalgError),
     /// A matrix that must be symmetric is not.
     #[error(
-        "{name}: entries ({row}, {col}) and ({col}, {row}) differ by {difference:e}, expected a symmetric matrix"
+        "{name}: entries ({row}, {col}) and ({col}, {row}) differ by {difference:.2e}, expected a symmetric matrix"
     )]
     Asymmetric {
         /// Which matrix.
@@ -24,7 +24,7 @@ pub enum RiccatiError {
         difference: f64,
     },
     /// R has a negative eigenvalue.
-    #[error("R: smallest eigenvalue {eigenvalue:e}, expected a positive (semi)definite matrix")]
+    #[error("R: smallest eigenvalue {eigenvalue:.3e}, expected a positive (semi)definite matrix")]
     IndefiniteR {
         /// The smallest eigenvalue of R.
         eigenvalue: f64,
@@ -32,7 +32,7 @@ pub enum RiccatiError {
     /// A continuous-time R is singular: the control (or measurement noise) is not weighted in every direction, which
     /// is no Riccati equation.
     #[error(
-        "R: smallest over largest eigenvalue {ratio:e}: a singular R in continuous time is no Riccati equation; weight \
+        "R: smallest over largest eigenvalue {ratio:.2e}: a singular R in continuous time is no Riccati equation; weight \
          every input (or give every measurement noise)"
     )]
     SingularR {
@@ -40,14 +40,16 @@ pub enum RiccatiError {
         ratio: f64,
     },
     /// R + BᵀXB of the discrete equation is singular for every X that the cost can reach.
-    #[error("R + BᵀXB: smallest over largest eigenvalue {ratio:e}: an input costs nothing and moves nothing")]
+    #[error(
+        "R + BᵀXB: smallest over largest eigenvalue {ratio:.2e}: an input costs nothing and moves nothing"
+    )]
     SingularInput {
         /// Smallest over largest eigenvalue.
         ratio: f64,
     },
     /// An unstable eigenvalue of A that the input does not reach.
     #[error(
-        "(A, B) is not stabilisable: eigenvalue {} {:+}i is at distance {distance:e} of being uncontrollable",
+        "(A, B) is not stabilisable: eigenvalue {} {:+}i is at distance {distance:.2e} of being uncontrollable",
         eigenvalue.re, eigenvalue.im
     )]
     NotStabilisable {
@@ -59,7 +61,7 @@ pub enum RiccatiError {
     /// Eigenvalues of the Hamiltonian matrix lie on the imaginary axis (of the symplectic pencil: on the unit
     /// circle): no solution stabilises.
     #[error(
-        "the Hamiltonian has an eigenvalue at distance {distance:e} of the stability boundary, at frequency {frequency:e}"
+        "the Hamiltonian has an eigenvalue at distance {distance:.2e} of the stability boundary, at angular frequency {frequency:.3e}"
     )]
     OnTheBoundary {
         /// Continuous: ω in rad/s. Discrete: the angle in rad a sample.
@@ -69,7 +71,7 @@ pub enum RiccatiError {
     },
     /// The best X found leaves too large a residual, or does not stabilise.
     #[error(
-        "no solution is confirmed: scaled residual {scaled_residual:e}, worst closed-loop eigenvalue {margin:e}"
+        "no solution is confirmed: scaled residual {scaled_residual:.2e}, worst closed-loop eigenvalue {margin:.2e}"
     )]
     Unconfirmed {
         /// Of the best X that was found.

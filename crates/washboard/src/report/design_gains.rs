@@ -1,0 +1,65 @@
+//! Gains over frequency on a design's page: what the goal asks for at first, the others by groups on demand.
+
+use super::design::capital;
+use super::html::{Html, classed, element, note};
+use super::plot::{Axis, Plot, Plots, Role};
+use crate::study::{DesignOutcome, ResponseGroup, ResponseRow};
+
+/// Plots of outputs of the goal and of the force; then, behind a click, of all others.
+pub(super) fn gains(o: &DesignOutcome, plots: &mut Plots) -> Option<Html> {
+    let goals = o.design.weights().unwrap_or_default();
+    let rows = o.rows();
+    let first = |r: &&ResponseRow<'_>| {
+        goals.get(r.name).is_some() || (r.group == ResponseGroup::Force && r.corner_of.is_none())
+    };
+    let (asked, others): (Vec<&ResponseRow<'_>>, Vec<_>) = rows.iter().partition(first);
+    let asked = grid(o, &asked, plots)?;
+    let unit = o.per();
+    let what = format!(
+        "Largest singular value from the design's disturbance to the outputs of the goal and to the forces, per {unit}. Point \
+         to read values at one frequency in all plots; drag to zoom, double-click to go back."
+    );
+    let mut more = Html::default();
+    let mut count = 0;
+    for group in ResponseGroup::ALL {
+        let of_group: Vec<&ResponseRow<'_>> = others.iter().filter(|r| r.group == group).copied().collect();
+        let before = plots.0.len();
+        if let Some(grid) = grid(o, &of_group, plots) {
+            more.push(element("h3", &[], capital(group.heading())).and(grid));
+            count += plots.0.len() - before;
+        }
+    }
+    let mut body = asked.and(note(what));
+    if count > 0 {
+        let summary = element("summary", &[], format!("The other {count} outputs, by groups"));
+        body.push(element("details", &[], summary.and(more)));
+    }
+    Some(body)
+}
+
+/// Plots side by side; none where there is nothing to draw.
+fn grid(o: &DesignOutcome, rows: &[&ResponseRow<'_>], plots: &mut Plots) -> Option<Html> {
+    let drawn: Vec<Html> = rows.iter().filter_map(|r| plot(o, r)).map(|p| plots.add(p)).collect();
+    (!drawn.is_empty()).then(|| classed("div", "grid", drawn.into_iter().collect::<Html>()))
+}
+
+fn plot(o: &DesignOutcome, r: &ResponseRow<'_>) -> Option<Plot> {
+    let values = |v: &[f64]| v.iter().map(|v| Some(*v)).collect::<Vec<_>>();
+    let unit = format!("{} per {}", r.unit, o.per());
+    let (low, high) = (*o.gains.freq_hz.first()?, *o.gains.freq_hz.last()?);
+    let mut plot = Plot::new(
+        r.name,
+        &o.gains.freq_hz,
+        Axis::new("frequency", "Hz", true).within(low, high),
+        Axis::new("gain", &unit, true),
+    );
+    for (label, role, of) in
+        [("passive", Role::Before, &o.gains.passive), ("closed loop", Role::After, &o.gains.closed)]
+    {
+        if let Some(v) = of.get(r.name) {
+            plot = plot.curve(label, role, values(v));
+        }
+    }
+    plot.group = "frequency".to_owned();
+    (!plot.series.is_empty()).then_some(plot)
+}

@@ -1,0 +1,155 @@
+//! The tables of a design's page: responses by groups, the goal, the certificate, poles and matrices.
+
+use super::design::capital;
+use super::html::{Html, element, note, paragraph, table};
+use super::numbers::{fixed, signed, significant};
+use crate::study::{DesignOutcome, Measured, ResponseGroup, ResponseRow, Rms};
+
+/// More poles than these are shown on demand.
+const MANY_POLES: usize = 16;
+/// An imaginary part below this share of a pole is rounding.
+const REAL: f64 = 1e-12;
+
+/// What a table shows of a row: unit, passive, closed, change.
+type Cells = fn(&DesignOutcome, &ResponseRow<'_>) -> [Html; 4];
+
+/// rms and largest gains by groups; corners on demand. Without a loop, the passive vehicle's alone.
+pub(super) fn ride(o: &DesignOutcome) -> Option<Html> {
+    let rows = o.rows();
+    if rows.is_empty() {
+        return None;
+    }
+    let (whole, corners): (Vec<_>, Vec<_>) = rows.into_iter().partition(|r| r.corner_of.is_none());
+    let gain = format!("largest gain, per {} of the disturbance", o.per());
+    let both = |rows: &[ResponseRow<'_>]| {
+        responses(o, "rms on the road", rows, rms_cells).and(responses(o, &gain, rows, peak_cells))
+    };
+    let mut body = both(&whole).and(note(
+        "rms are of the road's part alone, at the speed given; largest gains are H∞ norms from the design's disturbance. A \
+         name that has corners stands for all of them: the root of the sum of their squares, and their joint gain.",
+    ));
+    if !corners.is_empty() {
+        let summary = element("summary", &[], "Every corner");
+        body.push(element("details", &[], summary.and(both(&corners))));
+    }
+    Some(body)
+}
+
+fn responses(o: &DesignOutcome, caption: &str, rows: &[ResponseRow<'_>], cells: Cells) -> Html {
+    let head = ["output", "unit", "#passive", "#closed", "#change"];
+    let columns = if o.verified.is_some() { 5 } else { 3 };
+    let mut body: Vec<Vec<Html>> = Vec::new();
+    for group in ResponseGroup::ALL {
+        let own: Vec<&ResponseRow<'_>> = rows.iter().filter(|r| r.group == group).collect();
+        if !own.is_empty() {
+            let mut heading = vec![Html::default(); columns];
+            heading[0] = element("strong", &[], capital(group.heading()));
+            body.push(heading);
+        }
+        for r in own {
+            body.push(std::iter::once(r.name.into()).chain(cells(o, r)).take(columns).collect());
+        }
+    }
+    table(caption, &head[..columns], body)
+}
+
+fn rms_cells(_: &DesignOutcome, r: &ResponseRow<'_>) -> [Html; 4] {
+    let shown = |r: Option<Rms>| match r {
+        Some(Rms::Finite(v)) => significant(v, 4).into(),
+        Some(Rms::Infinite(_)) => "infinite".into(),
+        None => "–".into(),
+    };
+    [r.unit.into(), shown(r.rms[0]), shown(r.rms[1]), percent(r.rms_change())]
+}
+
+fn peak_cells(o: &DesignOutcome, r: &ResponseRow<'_>) -> [Html; 4] {
+    let shown = |v: Option<f64>| v.map_or_else(|| "–".into(), |v| Html::from(significant(v, 4)));
+    let unit = format!("{} per {}", r.unit, o.per());
+    [unit.into(), shown(r.peak[0]), shown(r.peak[1]), percent(r.peak_change())]
+}
+
+fn percent(change: Option<f64>) -> Html {
+    change.map_or_else(|| "–".into(), |c| format!("{} %", signed(100.0 * c, 1)).into())
+}
+
+/// The goal's value: passive, closed, limit, as far as they are known.
+pub(super) fn goal(o: &DesignOutcome) -> Option<Html> {
+    let named =
+        [("passive", "passive vehicle"), ("verified", "closed loop"), ("limit", "what no controller beats")];
+    let passive = o.objective.get("passive").copied();
+    let row = |(key, words): (&str, &str)| {
+        let value = *o.objective.get(key)?;
+        let change = passive.filter(|p| *p > 0.0 && key != "passive").map(|p| value / p - 1.0);
+        Some(vec![words.into(), significant(value, 4).into(), percent(change)])
+    };
+    let rows: Vec<Vec<Html>> = named.into_iter().filter_map(row).collect();
+    let columns = if rows.len() > 1 { 3 } else { 2 };
+    let rows: Vec<Vec<Html>> = rows.into_iter().map(|r| r.into_iter().take(columns).collect()).collect();
+    let caption =
+        format!("{}, each over its passive norm (a pure number, smaller is better)", o.goal_words());
+    (!rows.is_empty()).then(|| table(&capital(&caption), &["", "#value", "#change"][..columns], rows))
+}
+
+/// What the synthesis claims and what the loop shows.
+pub(super) fn certificate(o: &DesignOutcome) -> Option<Html> {
+    let row = |(name, v): (&str, &f64)| {
+        let (words, unit) = o.claim_words(name);
+        let value = [significant(*v, 7), unit].join(" ");
+        vec![capital(&words).into(), value.trim_end().into()]
+    };
+    let rows: Vec<Vec<Html>> = o.claimed.iter().map(row).collect();
+    (!rows.is_empty())
+        .then(|| table("what is claimed, and what the loop itself shows", &["number", "#value"], rows))
+}
+
+/// Poles with Im ≥ 0.
+pub(super) fn poles(o: &DesignOutcome) -> Option<Html> {
+    let of = |m: &Measured, which: &str| -> Vec<Vec<Html>> {
+        let upper = m.poles.iter().filter(|p| p[1] >= 0.0);
+        let row = |p: &[f64; 2]| {
+            let size = p[0].hypot(p[1]);
+            let im = if p[1] <= REAL * size { 0.0 } else { p[1] };
+            let damping = if size > 0.0 { fixed(-100.0 * p[0] / size, 1) } else { "–".to_owned() };
+            let hz = significant(size / std::f64::consts::TAU, 4);
+            let numbers = [significant(p[0], 4), significant(im, 4), hz, damping];
+            std::iter::once(which.into()).chain(numbers.map(Html::from)).collect()
+        };
+        upper.map(row).collect()
+    };
+    let mut rows = of(&o.passive, "passive");
+    if let Some(closed) = &o.verified {
+        rows.extend(of(closed, "closed"));
+    }
+    let head = ["loop", "#Re λ, 1/s", "#Im λ, rad/s", "#|λ|/2π, Hz", "#damping, %"];
+    let count = rows.len();
+    let table = (count > 0).then(|| table("poles λ with Im λ ≥ 0", &head, rows))?;
+    if count <= MANY_POLES {
+        return Some(table);
+    }
+    let summary = element("summary", &[], format!("All {count} poles with Im λ ≥ 0"));
+    let slowest = o.verified.as_ref().map(|c| c.poles.iter().map(|p| -p[0]).fold(f64::INFINITY, f64::min));
+    let words = slowest
+        .map(|s| paragraph(format!("The slowest pole of the loop decays at {} 1/s.", significant(s, 4))));
+    Some(words.unwrap_or_default().and(element("details", &[], summary.and(table))))
+}
+
+/// Its matrices.
+pub(super) fn controller(o: &DesignOutcome) -> Option<Html> {
+    let k = o.controller.as_ref()?;
+    let matrix = |name: &str, rows: &[Vec<f64>]| {
+        let text: Vec<String> = rows
+            .iter()
+            .map(|r| r.iter().map(|v| format!("{v:.9e}")).collect::<Vec<_>>().join("  "))
+            .collect();
+        element("h3", &[], name).and(element("pre", &[], text.join("\n")))
+    };
+    let with_unit = |name: &String| {
+        let unit = o.units.get(name).map_or_else(String::new, |u| format!(" in {u}"));
+        format!("{name}{unit}")
+    };
+    let measures: Vec<String> = k.inputs.iter().map(with_unit).collect();
+    let names = format!("Measures {}; drives {}, in N.", measures.join(", "), k.outputs.join(", "));
+    let matrices = matrix("A", &k.a).and(matrix("B", &k.b)).and(matrix("C", &k.c)).and(matrix("D", &k.d));
+    let summary = element("summary", &[], "Its matrices: K = C(sI − A)⁻¹B + D");
+    Some(paragraph(names).and(element("details", &[], summary.and(matrices))))
+}

@@ -1,0 +1,136 @@
+//! What a design costs, said beside what it buys: responses that became worse, noise, a step that is too long.
+
+use super::design_outcome::Measured;
+use super::design_problem::Problem;
+use super::design_words::short;
+use super::{DesignDisturbance, Discretize, DiscretizeRule, Flag, Infinite, Named, Rms, StudyError};
+use crate::lti::{Continuous, StateSpace};
+use crate::synthesis::SynthesisError;
+
+/// A response that is so many times the passive one at its worst is worth a warning.
+const WORSE_PEAK: f64 = 3.0;
+/// An output that becomes worse by more than this share is worth a warning.
+const WORSE_RMS: f64 = 0.1;
+
+/// A warning where the discrete controller, on the vehicle sampled at its step, is not stable.
+pub(super) fn sampled_loop(
+    problem: &Problem,
+    k: &StateSpace<Continuous>,
+    discretize: Discretize,
+) -> Result<Option<Flag>, StudyError> {
+    let fail =
+        |e: SynthesisError| StudyError::Design { name: problem.spec.vehicle.clone(), source: Box::new(e) };
+    let y: Vec<&crate::vehicle::Output> = problem.measurements.iter().collect();
+    let all: Vec<usize> = (0..problem.vehicle.actuators().len()).collect();
+    let vehicle = problem.vehicle.actuated(&y, &all).map_err(|source| StudyError::Controller {
+        name: problem.spec.vehicle.clone(),
+        source: Box::new(source),
+    })?;
+    let discrete = match discretize.rule {
+        DiscretizeRule::Tustin => k.tustin(discretize.dt_s),
+        DiscretizeRule::ZeroOrderHold => k.sampled(discretize.dt_s),
+    };
+    let closed = discrete
+        .and_then(|d| vehicle.sampled(discretize.dt_s)?.feedback(&d))
+        .and_then(|closed| closed.least_stable_pole())
+        .map_err(|e| fail(e.into()))?;
+    let (pole, margin) = closed.unwrap_or_default();
+    Ok((!(margin > 0.0)).then(|| Flag {
+        name: "sampled-loop".into(),
+        text: format!(
+            "at a step of {} s the loop of controller.h and the vehicle is not stable: a pole of size {:.4} (stable: below 1); take a shorter step",
+            discretize.dt_s,
+            pole.norm()
+        ),
+    }))
+}
+
+/// The rms of road and sensors' noise together, where both are finite.
+pub(super) fn with_noise(
+    problem: &Problem,
+    k: &StateSpace<Continuous>,
+    measured: &Measured,
+) -> Result<Named<Rms>, StudyError> {
+    let fail =
+        |e: SynthesisError| StudyError::Design { name: problem.spec.vehicle.clone(), source: Box::new(e) };
+    let noise = vec![problem.spec.lqg.sensor_noise; problem.measurements.len()];
+    let noisy = problem.plant.with_sensor_noise(&noise).map_err(|e| fail(e.into()))?;
+    let closed = noisy.close(k).map_err(|e| fail(e.into()))?;
+    let sensors: Vec<usize> = (problem.plant.nw()..noisy.nw()).collect();
+    let mut both = Named::default();
+    for (name, members) in problem.blocks() {
+        let part = closed.select(&members, &sensors).map_err(|e| fail(e.into()))?.h2_norm();
+        let road = measured.rms.get(&name).and_then(|r| r.finite());
+        let rms = match (part, road) {
+            (Ok(noise), Some(road)) => Rms::Finite(noise.hypot(road)),
+            _ => Rms::Infinite(Infinite::Infinite),
+        };
+        both.insert(name, rms);
+    }
+    Ok(both)
+}
+
+/// A warning where the sensors' noise makes outputs of the goal worse than passive.
+pub(super) fn louder(problem: &Problem, passive: &Measured, measured: &Measured) -> Option<Flag> {
+    let worse = problem.goals.iter().filter_map(|g| {
+        let noisy = measured.rms_with_noise.get(&g.name)?.finite()?;
+        let passive = passive.rms.get(&g.name)?.finite()?;
+        (noisy > passive).then(|| format!("{} {:+.0} %", g.name, 100.0 * (noisy / passive - 1.0)))
+    });
+    let worse: Vec<String> = worse.collect();
+    let spec = &problem.spec;
+    let road = match spec.disturbance {
+        DesignDisturbance::RoadVelocity => problem.road.road.spectrum().white_intensity(spec.speed_m_s),
+        DesignDisturbance::RoadNoise => Some(1.0),
+        DesignDisturbance::RoadDisplacement => None,
+    };
+    let own = road.map_or_else(String::new, |v| format!("; this road's is {}", short(v)));
+    (!worse.is_empty()).then(|| Flag {
+        name: "noise".into(),
+        text: format!(
+            "with the sensor noise stated, outputs are worse than passive: {}. The filter trusts the sensors as \
+             lqg.process_noise (road) over lqg.sensor_noise says: give both as they are{own}, or take rms as the \
+             road's part alone",
+            worse.join(", ")
+        ),
+    })
+}
+
+/// What a reader must know: responses that became much worse somewhere.
+pub(super) fn worse(problem: &Problem, passive: &Measured, closed: &Measured) -> Vec<Flag> {
+    let (mut peaks, mut rms) = (Vec::new(), Vec::new());
+    // a whole vector that is worse speaks for its corners
+    let blocks =
+        problem.blocks().into_iter().map(|(name, members)| (name, problem.reported[members[0]].base.clone()));
+    let blocks: Vec<(String, String)> = blocks.filter(|(n, _)| !n.starts_with("actuator_force")).collect();
+    let mut said: [Vec<&str>; 2] = [Vec::new(), Vec::new()];
+    for (name, base) in &blocks {
+        if let (Some(before), Some(after)) = (passive.hinf.get(name), closed.hinf.get(name))
+            && *after > WORSE_PEAK * before
+            && *before > 0.0
+            && !said[0].contains(&base.as_str())
+        {
+            let at = closed.hinf_at_rad_s.get(name).copied().flatten();
+            let place = at.map_or_else(
+                || "at high frequencies".to_owned(),
+                |w| format!("at {:.2} Hz", crate::units::hz(w)),
+            );
+            peaks.push(format!("{name} {:.1} times {place}", after / before));
+            said[0].push(name);
+        }
+        if let (Some(Some(before)), Some(Some(after))) =
+            (passive.rms.get(name).map(|r| r.finite()), closed.rms.get(name).map(|r| r.finite()))
+            && after > (1.0 + WORSE_RMS) * before
+            && !said[1].contains(&base.as_str())
+        {
+            rms.push(format!("{name} {:+.0} %", 100.0 * (after / before - 1.0)));
+            said[1].push(name);
+        }
+    }
+    let flag = |name: &str, text: &str, which: &[String]| {
+        (!which.is_empty()).then(|| Flag { name: name.into(), text: format!("{text}: {}", which.join(", ")) })
+    };
+    let peaks = flag("worse-peak", "the largest gain is far above the passive one", &peaks);
+    let rms = flag("worse-rms", "on this road the rms is above the passive one", &rms);
+    peaks.into_iter().chain(rms).collect()
+}

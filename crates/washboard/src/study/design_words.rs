@@ -1,0 +1,265 @@
+//! What a design says in words: how it ended, why there is no controller and what may help, what its names stand for.
+
+use super::design_outcome::{DesignOutcome, DesignStatus, Measured};
+use super::design_problem::Problem;
+use super::{DesignDisturbance, DesignMethod, Flag};
+use crate::linalg::RiccatiError;
+use crate::synthesis::{Assumption, SynthesisError};
+use crate::units::hz;
+
+/// A force that an actuator of a car can do: hints of weights are for it, N.
+const USUAL_FORCE_N: f64 = 1000.0;
+/// Digits of a number in a sentence.
+const DIGITS: usize = 3;
+
+impl DesignOutcome {
+    /// How it ended, in words.
+    #[must_use]
+    pub fn verdict(&self) -> String {
+        match self.status {
+            DesignStatus::Designed => {
+                let price = if self.warnings.is_empty() { "" } else { ", with a price" };
+                format!("a controller of order {}, confirmed by its loop{price}", self.order.unwrap_or(0))
+            }
+            DesignStatus::Limit => "what no controller can beat".to_owned(),
+            DesignStatus::Infeasible => "what is asked cannot be had, so there is no controller".to_owned(),
+            DesignStatus::Stalled => "the method did not find a controller".to_owned(),
+            DesignStatus::Refused => "a controller was found, but its loop contradicts its claim".to_owned(),
+        }
+    }
+
+    /// Why there are no numbers of a closed loop; none where there are.
+    #[must_use]
+    pub fn no_loop(&self) -> Option<&'static str> {
+        match (&self.verified, self.status) {
+            (Some(_), _) => None,
+            (None, DesignStatus::Limit) => Some(
+                "A limit has no controller, so there is no closed loop to show: the numbers of responses are the passive vehicle's.",
+            ),
+            (None, _) => Some(
+                "Without a controller there is no closed loop to show: the numbers are the passive vehicle's.",
+            ),
+        }
+    }
+
+    /// What a gain is per: the unit of the disturbance.
+    #[must_use]
+    pub fn per(&self) -> &'static str {
+        per(self.design.disturbance)
+    }
+
+    /// The name of the goal's value, in words.
+    #[must_use]
+    pub fn goal_words(&self) -> &'static str {
+        match self.design.method {
+            DesignMethod::Hinf => "largest of the weighted peak gains",
+            _ => "weighted H2 norms, squared and summed",
+        }
+    }
+
+    /// A claimed number in words, and its unit (empty: a pure number).
+    #[must_use]
+    pub fn claim_words(&self, name: &str) -> (String, String) {
+        let pure = |words: &str| (words.to_owned(), String::new());
+        match name {
+            "h2_with_noise" => pure("H2 norm with sensor noise, from the Riccati equations"),
+            "h2_with_noise_recomputed" => pure("the same, from vehicle and controller alone"),
+            "control_riccati_residual" => pure("residual of the control Riccati equation, relative"),
+            "filter_riccati_residual" => pure("residual of the filter Riccati equation, relative"),
+            "h2_limit" => pure("H2 norm that no controller beats"),
+            "h2_limit_closed_form" => pure("the same, by inner and outer factors"),
+            "gamma" => pure("least H∞ norm of all weighted outputs together"),
+            "level" => pure("level that the controller was made for"),
+            "gamma_recomputed" => pure("H∞ norm, from vehicle and controller alone"),
+            "match_error" => pure("error of the copied acceleration, relative"),
+            "tire_factor_at_wheel_hop" => {
+                pure("tire deflection at the hidden mode, over the copied design's")
+            }
+            other => match other.strip_prefix("rms_") {
+                Some(output) => {
+                    let unit = self.units.get(output).cloned().unwrap_or_default();
+                    (format!("rms of {output}, by the method's own formula"), unit)
+                }
+                None => pure(&other.replace('_', " ")),
+            },
+        }
+    }
+}
+
+fn per(disturbance: DesignDisturbance) -> &'static str {
+    match disturbance {
+        DesignDisturbance::RoadVelocity => "m/s",
+        DesignDisturbance::RoadDisplacement => "m",
+        DesignDisturbance::RoadNoise => "unit noise",
+    }
+}
+
+/// Notes of what stacked names stand for.
+pub(super) fn expanded(problem: &Problem) -> Vec<Flag> {
+    let outputs = problem.vehicle.outputs();
+    let asked = problem.spec.measurements.iter().map(String::as_str);
+    let goals = problem.goals.iter().map(|g| g.name.as_str());
+    let mut done: Vec<&str> = Vec::new();
+    let mut all = Vec::new();
+    for name in asked.chain(goals) {
+        let members: Vec<&str> =
+            outputs.iter().filter(|o| o.base == name && o.name != name).map(|o| o.name.as_str()).collect();
+        if members.is_empty() || done.contains(&name) {
+            continue;
+        }
+        done.push(name);
+        let ends = members.iter().map(|m| m.strip_prefix(name).unwrap_or(m).trim_start_matches('_'));
+        all.push(format!("{name} for {}", ends.collect::<Vec<_>>().join(", ")));
+    }
+    let text = format!("names without a corner stand for all: {}", all.join("; "));
+    if all.is_empty() { Vec::new() } else { vec![Flag { name: "stacked".into(), text }] }
+}
+
+/// Why there is no controller, and what may help.
+pub(super) fn why(e: &SynthesisError, problem: &Problem, passive: &Measured) -> String {
+    let text = match e {
+        SynthesisError::Riccati { equation, source: RiccatiError::OnTheBoundary { distance, frequency } } => {
+            let help = if *equation == "filter" {
+                "the measurements hardly see the road there; raise lqg.sensor_noise, or measure something that the road \
+                 moves at that frequency"
+            } else {
+                "the controls hardly move the goal there; weight them (input_weight), or minimise something that they move \
+                 at that frequency"
+            };
+            format!(
+                "the {equation} equation has no stabilising solution: at {frequency:e} rad/s ({:e} Hz) its Hamiltonian has an \
+                 eigenvalue on the imaginary axis but for {distance:e} of its size: {help}",
+                hz(*frequency)
+            )
+        }
+        SynthesisError::Assumptions(broken) => {
+            let mut text = e.to_string();
+            if broken.iter().any(|b| b.assumption == Assumption::ControlsWeighted) {
+                text += &weight_hint(problem, passive);
+            }
+            if broken.iter().any(|b| b.assumption == Assumption::MeasurementsNoisy) {
+                text += NOISE_HINT;
+            }
+            text
+        }
+        SynthesisError::NoLevel { level, why } => {
+            // X and Y are the solutions of the control and the filter equation
+            let why = why.replace("X: ", "the control equation: ").replace("Y: ", "the filter equation: ");
+            let why = match why.split_once("at angular frequency ") {
+                Some((what, omega)) if omega.parse::<f64>().is_ok() => format!("{what}at {omega} rad/s"),
+                _ => why,
+            };
+            format!(
+                "no controller was found at any H∞ level up to {level:e}; at the last, {why}. Raise lqg.sensor_noise, or \
+                 weight the controls (input_weight): as it stands the equations are too ill-conditioned to be solved"
+            )
+        }
+        _ => e.to_string(),
+    };
+    short_numbers(&text)
+}
+
+const NOISE_HINT: &str = ". lqg.sensor_noise is the square of a sensor's noise density per √Hz, over 2: an accelerometer of \
+                          100 µg/√Hz has 4.8e-7 (m/s²)² s, a travel sensor with 0.1 mm rms up to 100 Hz has 5e-11 m² s";
+
+/// A weight of the control that is neither none nor all.
+fn weight_hint(problem: &Problem, passive: &Measured) -> String {
+    let (weight, what) = if problem.spec.method == DesignMethod::Hinf {
+        let what = format!("a force of 1 kN per {}", per(problem.spec.disturbance));
+        (Some(USUAL_FORCE_N.powi(-2)), what)
+    } else {
+        // rms on the road over the norm from the disturbance: the same factor for the force
+        let scale = problem.goals.iter().find_map(|g| {
+            let (rms, h2) = (passive.rms.get(&g.name)?.finite()?, passive.h2.get(&g.name)?.finite()?);
+            (rms > 0.0 && h2 > 0.0).then_some(rms / h2)
+        });
+        (scale.map(|s| (s / USUAL_FORCE_N).powi(2)), "a force of 1 kN rms on this road".to_owned())
+    };
+    weight.map_or_else(String::new, |w| {
+        format!(". To begin with: input_weight = {w:.1e} (1/N²) makes {what} cost as much as an output of weight 1 without control")
+    })
+}
+
+/// Long numbers in a sentence with a few digits: `3.6365966576707826e-11` as `3.64e-11`.
+pub(super) fn short_numbers(text: &str) -> String {
+    let c: Vec<char> = text.chars().collect();
+    let (mut out, mut k) = (String::with_capacity(text.len()), 0);
+    while k < c.len() {
+        let part = |c: char| c.is_alphanumeric() || c == '_' || c == '.';
+        // j66.7 is a number
+        let imaginary = k > 0 && c[k - 1] == 'j' && !(k > 1 && part(c[k - 2]));
+        let inside_a_name = k > 0 && part(c[k - 1]) && !imaginary;
+        if !c[k].is_ascii_digit() || inside_a_name {
+            out.push(c[k]);
+            k += 1;
+            continue;
+        }
+        let digits = |mut at: usize| {
+            while at < c.len() && c[at].is_ascii_digit() {
+                at += 1;
+            }
+            at
+        };
+        let mut end = digits(k);
+        if c.get(end) == Some(&'.') && c.get(end + 1).is_some_and(char::is_ascii_digit) {
+            end = digits(end + 1);
+        }
+        if matches!(c.get(end), Some('e' | 'E')) {
+            let from = end + 1 + usize::from(matches!(c.get(end + 1), Some('-' | '+')));
+            if c.get(from).is_some_and(char::is_ascii_digit) {
+                end = digits(from);
+            }
+        }
+        let token: String = c[k..end].iter().collect();
+        let long = token.contains('e') || token.chars().filter(char::is_ascii_digit).count() > DIGITS + 1;
+        match token.parse::<f64>() {
+            Ok(v) if long && (token.contains('.') || token.contains('e')) => out.push_str(&short(v)),
+            _ => out.push_str(&token),
+        }
+        k = end;
+    }
+    out
+}
+
+/// A few digits, an exponent where it is very large or small, no zeros at the end.
+pub(super) fn short(v: f64) -> String {
+    if v == 0.0 {
+        return "0".into();
+    }
+    if !(1e-3..1e5).contains(&v) {
+        let text = format!("{v:.*e}", DIGITS - 1);
+        return match text.split_once('e') {
+            Some((m, e)) if m.contains('.') => {
+                format!("{}e{e}", m.trim_end_matches('0').trim_end_matches('.'))
+            }
+            _ => text,
+        };
+    }
+    let places = (DIGITS as i32 - 1 - v.log10().floor() as i32).max(0) as usize;
+    let text = format!("{v:.places$}");
+    if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_in_sentences_are_short_and_names_stay() {
+        for (long, expected) in [
+            ("at distance 3.6365966576707826e-11 of it", "at distance 3.64e-11 of it"),
+            ("at frequency 0e0", "at frequency 0"),
+            ("below 1e0 was", "below 1 was"),
+            ("H(∞) = 11.11574, but found 222.3148", "H(∞) = 11.1, but found 222"),
+            ("0.0e0, expected above 1e-10): D12", "0, expected above 1e-10): D12"),
+            (
+                "input_weight = 1.5e-10 (1/N²), order 12345, 2.5 s",
+                "input_weight = 1.5e-10 (1/N²), order 12345, 2.5 s",
+            ),
+            ("a_1.23456 x2.34567", "a_1.23456 x2.34567"),
+            ("H(±j66.66667) = 2", "H(±j66.7) = 2"),
+        ] {
+            assert_eq!(short_numbers(long), expected);
+        }
+    }
+}
