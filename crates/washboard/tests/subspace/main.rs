@@ -4,6 +4,7 @@
 
 mod analytic;
 mod exact;
+mod road_shapes;
 mod systems;
 mod thesis_example;
 mod wrong_samples;

@@ -1,0 +1,216 @@
+//! Shaping filters in continuous time (or over distance): spectra over the whole axis, mapped to the circle and back.
+
+use super::SubspaceError;
+use super::samples::{Samples, Weights};
+use super::spectrum::{Order, SpectrumModel, SpectrumSettings, Unpaired, fit_spectrum};
+use crate::linalg::{C64, CMat, Mat};
+use crate::lti::{Continuous, StateSpace};
+use std::f64::consts::PI;
+
+/// Poles and zeros nearer to the circle's −1 than this are at infinity.
+const AT_INFINITY: f64 = 1e-9;
+
+/// How noisy samples are.
+#[derive(Debug, Clone, PartialEq)]
+pub enum ShapeWeights {
+    /// All alike: the largest densities count.
+    Equal,
+    /// R_k = S_k.
+    Relative,
+    /// R_k = S_k²: errors of the logarithm.
+    RelativeSquared,
+    /// Given.
+    Given(Weights),
+}
+
+/// How a shaping filter is fitted.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ShapeSettings {
+    /// n.
+    pub order: Order,
+    /// p; none takes half of what the samples allow, 64 at most.
+    pub block_rows: Option<usize>,
+    /// λ of s = λ(z − 1)/(z + 1); none takes the geometric mean of the lowest and the highest frequency.
+    pub lambda_rad: Option<f64>,
+    /// R_k.
+    pub weights: ShapeWeights,
+    /// What is done with poles that have no mirror image.
+    pub unpaired: Unpaired,
+    /// ω_r of a factor ω_r/(s + ω_r) that makes a filter with feedthrough strictly proper; none leaves it.
+    pub roll_off_rad: Option<f64>,
+}
+
+impl ShapeSettings {
+    /// A given order, all else by itself.
+    #[must_use]
+    pub fn new(order: usize) -> Self {
+        ShapeSettings {
+            order: Order::Given(order),
+            block_rows: None,
+            lambda_rad: None,
+            weights: ShapeWeights::RelativeSquared,
+            unpaired: Unpaired::Fold,
+            roll_off_rad: None,
+        }
+    }
+}
+
+/// A shaping filter, and how near it comes to the samples.
+#[derive(Debug, Clone)]
+pub struct ShapeFit {
+    /// G(s), stable, minimum phase: G(iω)G(iω)ᴴ is the spectrum under unit-intensity white noise.
+    pub filter: StateSpace<Continuous>,
+    /// Its poles.
+    pub poles: Vec<C64>,
+    /// Its zeros that are finite, of a scalar filter.
+    pub zeros: Vec<C64>,
+    /// Leading coefficient of numerator over denominator, of a scalar filter.
+    pub gain: f64,
+    /// λ that was used.
+    pub lambda_rad: f64,
+    /// p that was used.
+    pub block_rows: usize,
+    /// Root mean square of log₁₀ of fitted over given trace at the samples.
+    pub log10_rms_error: f64,
+    /// Its largest magnitude.
+    pub log10_max_error: f64,
+    /// Lowest and highest frequency of the samples: where the filter may be believed.
+    pub band_rad: [f64; 2],
+    /// The fit on the circle.
+    pub model: SpectrumModel,
+}
+
+/// Fits a stable, minimum-phase filter of order n to samples of a spectrum S(ω) = G(iω)G(iω)ᴴ (two-sided, per rad).
+///
+/// `omega_rad`: N distinct frequencies above or at 0, ascending, in rad/s or rad/m; `s`: N Hermitian m × m matrices. They are
+/// mapped to θ = 2 arctan(ω/λ) and fitted by [`fit_spectrum`]; the factor is mapped back.
+///
+/// # Errors
+/// As [`fit_spectrum`]; a λ or roll-off that is not positive; zero densities with relative weights.
+///
+/// Source: Türkay's thesis, 2.3.2.
+pub fn fit_shape(omega_rad: &[f64], s: &[CMat], settings: &ShapeSettings) -> Result<ShapeFit, SubspaceError> {
+    let positive = |field: &'static str, value: f64| {
+        if value > 0.0 && value.is_finite() {
+            return Ok(());
+        }
+        let (expected, found) = ("a positive, finite number".to_owned(), value.to_string());
+        Err(SubspaceError::Field { field, expected, found })
+    };
+    check_frequencies(omega_rad)?;
+    let low = omega_rad.iter().copied().find(|w| *w > 0.0).unwrap_or(1.0);
+    let high = omega_rad.last().copied().filter(|w| *w > 0.0).unwrap_or(1.0);
+    let lambda = settings.lambda_rad.unwrap_or((low * high).sqrt());
+    positive("lambda", lambda)?;
+    if let Some(corner) = settings.roll_off_rad {
+        positive("roll_off", corner)?;
+    }
+    let theta: Vec<f64> = omega_rad.iter().map(|w| 2.0 * (w / lambda).atan()).collect();
+    let traces: Vec<f64> = s.iter().map(|s| (0..s.nrows()).map(|i| s[(i, i)].re).sum()).collect();
+    let relative = |power: i32| {
+        if let Some(index) = traces.iter().position(|t| !(*t > 0.0)) {
+            let why = format!("a density of {:e}: relative weights need densities above 0", traces[index]);
+            return Err(SubspaceError::Sample { what: "sample", index, why });
+        }
+        Ok(Weights::Variances(traces.iter().map(|t| t.powi(power)).collect()))
+    };
+    let weights = match &settings.weights {
+        ShapeWeights::Equal => Weights::Equal,
+        ShapeWeights::Relative => relative(1)?,
+        ShapeWeights::RelativeSquared => relative(2)?,
+        ShapeWeights::Given(weights) => weights.clone(),
+    };
+    let samples = Samples::new(theta, s.to_vec(), weights)?;
+    let most = match settings.order {
+        Order::Given(n) | Order::AtMost(n) => n,
+    };
+    let m = samples.size();
+    let block_rows = settings.block_rows.unwrap_or_else(|| default_rows(&samples, most, m));
+    let on_circle = SpectrumSettings {
+        order: settings.order,
+        block_rows,
+        unpaired: settings.unpaired,
+        moments: true,
+        dt_s: 1.0,
+    };
+    let model = fit_spectrum(&samples, &on_circle)?;
+    let plain = model.factor.system.inverse_bilinear(lambda)?;
+    let filter = match settings.roll_off_rad {
+        Some(corner) => plain.series(&low_pass(m, corner)?)?,
+        None => plain,
+    };
+    let poles = filter.poles()?;
+    let (zeros, gain) = if m == 1 {
+        let back = |z: &C64| (*z - 1.0) / (*z + 1.0) * lambda;
+        let finite = model.factor.zeros.iter().filter(|z| (**z + 1.0).norm() > AT_INFINITY);
+        let zeros: Vec<C64> = finite.map(back).collect();
+        let gain = leading(&filter, &zeros, &poles, lambda)?;
+        (zeros, gain)
+    } else {
+        (Vec::new(), f64::NAN)
+    };
+    let mut errors = Vec::new();
+    for (w, trace) in omega_rad.iter().zip(&traces) {
+        let h = filter.at(C64::new(0.0, *w))?;
+        let fitted = h.norm_l2().powi(2);
+        if *trace > 0.0 {
+            errors.push((fitted / trace).log10());
+        }
+    }
+    let count = errors.len().max(1) as f64;
+    let log10_rms_error = (errors.iter().map(|e| e * e).sum::<f64>() / count).sqrt();
+    let log10_max_error = errors.iter().map(|e| e.abs()).fold(0.0, f64::max);
+    let band_rad = [low, high];
+    Ok(ShapeFit {
+        filter,
+        poles,
+        zeros,
+        gain,
+        lambda_rad: lambda,
+        block_rows,
+        log10_rms_error,
+        log10_max_error,
+        band_rad,
+        model,
+    })
+}
+
+fn check_frequencies(omega: &[f64]) -> Result<(), SubspaceError> {
+    for (index, value) in omega.iter().enumerate() {
+        if !(*value >= 0.0 && value.is_finite()) {
+            let why = format!("{value}, expected a finite frequency at or above 0");
+            return Err(SubspaceError::Sample { what: "frequency", index, why });
+        }
+        if let Some(before) = index.checked_sub(1).map(|k| omega[k])
+            && *value <= before
+        {
+            return Err(SubspaceError::Order { index, before, value: *value });
+        }
+    }
+    Ok(())
+}
+
+/// Half of the block rows that the samples allow, so that as many equations are left over; 64 at most, enough for the order.
+fn default_rows(samples: &Samples, order: usize, m: usize) -> usize {
+    let most = samples.independent().saturating_sub((2 * order).div_ceil(m));
+    let least = (2 * order).div_ceil(m) + 1;
+    (most / 2).min(64).max(least).min(most.max(1))
+}
+
+/// ω_r/(s + ω_r) on every channel.
+fn low_pass(m: usize, corner: f64) -> Result<StateSpace<Continuous>, SubspaceError> {
+    let diagonal = |v: f64| Mat::from_fn(m, m, |i, j| if i == j { v } else { 0.0 });
+    Ok(StateSpace::continuous(diagonal(-corner), diagonal(corner), diagonal(1.0), Mat::zeros(m, m))?)
+}
+
+/// k of k Π(s − zᵢ)/Π(s − pᵢ), from the response at a frequency of its own size.
+fn leading(
+    g: &StateSpace<Continuous>,
+    zeros: &[C64],
+    poles: &[C64],
+    omega: f64,
+) -> Result<f64, SubspaceError> {
+    let s = C64::new(0.0, omega * PI);
+    let product = |roots: &[C64]| roots.iter().map(|r| s - r).product::<C64>();
+    Ok((g.at(s)?[(0, 0)] * product(poles) / product(zeros)).re)
+}
