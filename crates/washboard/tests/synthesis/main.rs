@@ -2,6 +2,8 @@
 
 #![allow(clippy::unwrap_used, clippy::print_stderr, clippy::print_stdout)]
 
+mod half_car;
+mod mathworks;
 mod other_vehicles;
 mod plants;
 mod quarter_car;
