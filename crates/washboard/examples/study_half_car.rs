@@ -74,7 +74,10 @@ fn main() -> Result<(), Box<dyn Error>> {
         for ct in [0.0, 100.0, 1000.0] {
             // a share that no loop in double precision reaches: the whole ladder
             let found = near_limit(&plant(ct, 20.0, 2, lambda)?, 1e-12)?;
-            println!("a controller from both travels, Λ = {name}, c_t = {ct}, v = 20: ends as {:?}", found.end);
+            println!(
+                "a controller from both travels, Λ = {name}, c_t = {ct}, v = 20: ends as {:?}",
+                found.end
+            );
             for step in &found.steps {
                 println!(
                     "  ε = {:.0e}: cost/limit − 1 = {:.3e} ± {:.0e}, fastest pole {:.1e} rad/s",

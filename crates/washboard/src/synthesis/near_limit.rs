@@ -8,7 +8,7 @@ use crate::lti::{Continuous, GeneralizedPlant, LtiError, StateSpace};
 /// The last decade of the noise: no loop in double precision has held it.
 const LAST_DECADE: i32 = 30;
 /// The excess over the limit counts as known where two coordinate systems agree about it to this share …
-const KNOWN: f64 = 1e-3;
+const KNOWN: f64 = 0.01;
 /// … or where both are this near the limit, which is all that a norm's rounding leaves.
 const ROUNDING: f64 = 1e-9;
 /// Directions in which Y is below this share of its size keep that share: they may not be disturbed at all.
@@ -136,7 +136,9 @@ pub fn near_limit(plant: &GeneralizedPlant, share: f64) -> Result<NearLimit, Syn
         p = in_coordinates(&p, &t)?;
     }
     let (Some((controller, certificate)), Some(last)) = (taken, steps.last()) else {
-        return Err(SynthesisError::NotAchievable("no loop is held by double precision, even at ε = 1".into()));
+        return Err(SynthesisError::NotAchievable(
+            "no loop is held by double precision, even at ε = 1".into(),
+        ));
     };
     let excess = last.excess;
     Ok(NearLimit { controller, certificate, limit, excess, steps, end })
@@ -188,7 +190,6 @@ fn root(y: &Mat) -> Result<Mat, LinalgError> {
 /// The plant over the states T⁻¹x.
 fn in_coordinates(p: &GeneralizedPlant, t: &Mat) -> Result<GeneralizedPlant, SynthesisError> {
     let s = p.system();
-    let system =
-        StateSpace::continuous(solve(t, &(s.a() * t))?, solve(t, s.b())?, s.c() * t, s.d().clone())?;
+    let system = StateSpace::continuous(solve(t, &(s.a() * t))?, solve(t, s.b())?, s.c() * t, s.d().clone())?;
     Ok(GeneralizedPlant::new(system, p.signals().clone())?)
 }

@@ -57,7 +57,13 @@ fn example(beta: f64) -> GeneralizedPlant {
     ];
     let pass = |n: usize| StateSpace::continuous_gain(Mat::identity(n, n)).unwrap();
     let chain = [
-        side_by_side(&[gain(&[&[0.07]]), lag.unwrap(), gain(&[&[0.01]]), gain(&[&[0.5]]), lead(0.08, 50., 500.)]),
+        side_by_side(&[
+            gain(&[&[0.07]]),
+            lag.unwrap(),
+            gain(&[&[0.01]]),
+            gain(&[&[0.5]]),
+            lead(0.08, 50., 500.),
+        ]),
         side_by_side(&[bare, pass(3)]),
         gain(&sum),
         side_by_side(&[pass(1), lead((1. - beta) / 0.4, 150., 0.45), lead(beta / 0.04, 80., 8.), pass(2)]),
