@@ -70,7 +70,7 @@ pub struct NearLimit {
 /// u = F_x x̂, x̂' = A x̂ + B₂u + L(C₂x̂ + D₂₂u − y), Y the filter's solution for noise of intensity ε σᵢ² on measurement i,
 ///
 /// which has Q G₂₁ → Q₀ for ε → 0 where G₂₁ has no zeros in the open right half plane and no fewer rows than columns. K has
-/// the plant's order; (6.11) taken literally with a polynomial left inverse of the two travels would have three times that.
+/// the plant's order; (6.11) taken literally, with a left inverse of the two travels in polynomials, has a higher one.
 ///
 /// Y vanishes with ε at another rate in each direction, which no scaling of states mends. So ε falls by decades, and each
 /// equation is solved in the coordinates T⁻¹x in which the last Y = TTᵀ is the identity: its solution is then of size 1. The
@@ -80,7 +80,7 @@ pub struct NearLimit {
 /// A plant that is not stable, whose D₁₁ is not zero, as [`full_information`]; a measurement that no disturbance moves; a `share` that
 /// is not positive; no filter at ε = 1; a norm that is below the limit.
 ///
-/// Source: Türkay's thesis, (5.10)–(5.18), (6.8)–(6.12); Kwakernaak and Sivan, *Linear Optimal Control Systems*, 4.4.4 (vanishing
+/// Source: Türkay's thesis, (5.10)–(5.18), (6.8)–(6.12); Kwakernaak and Sivan, *Linear Optimal Control Systems*, 4.4 (vanishing
 /// noise).
 pub fn near_limit(plant: &GeneralizedPlant, share: f64) -> Result<NearLimit, SynthesisError> {
     if !(share > 0.0 && share.is_finite()) {
@@ -131,9 +131,16 @@ pub fn near_limit(plant: &GeneralizedPlant, share: f64) -> Result<NearLimit, Syn
             end = NearLimitEnd::Reached;
             break;
         }
-        let t = root(&covariance)?;
-        f = &f * &t;
-        p = in_coordinates(&p, &t)?;
+        let next = root(&covariance)
+            .map_err(SynthesisError::from)
+            .and_then(|t| Ok((in_coordinates(&p, &t)?, &f * &t)));
+        match next {
+            Ok(next) => (p, f) = next,
+            Err(e) => {
+                end = NearLimitEnd::NoLoop(e);
+                break;
+            }
+        }
     }
     let (Some((controller, certificate)), Some(last)) = (taken, steps.last()) else {
         return Err(SynthesisError::NotAchievable(
