@@ -16,12 +16,14 @@ pub struct Responder<T: Time> {
 }
 
 impl<T: Time> StateSpace<T> {
-    /// The system made ready for responses at many points.
+    /// The system made ready for responses at many points, in states balanced by powers of two: a Schur form's rounding is a
+    /// share of A's largest entry, which in states of wild units is more than the smaller ones.
     ///
     /// # Errors
     /// A Schur form that does not converge.
     pub fn responder(&self) -> Result<Responder<T>, LtiError> {
-        Ok(self.responder_on(RealSchur::new(self.a())?))
+        let (balanced, _) = self.balanced_scales()?;
+        Ok(balanced.responder_on(RealSchur::new(balanced.a())?))
     }
 
     /// The same on the Schur form of A where that is at hand.
@@ -128,6 +130,20 @@ mod tests {
         let z = C64::new((0.5f64).cos(), (0.5f64).sin());
         let plain = discrete.at(z).unwrap();
         assert!((discrete.frequency_response(&[5.0]).unwrap()[0][(0, 0)] - plain[(0, 0)]).norm() < 1e-12);
+    }
+
+    #[test]
+    fn the_units_of_states_do_not_matter() {
+        let any = |r, c, s: f64| Mat::from_fn(r, c, |i, j| ((5 * i * i + 7 * j + i * j) as f64 + s).sin());
+        let g =
+            StateSpace::continuous(any(9, 9, 0.3), any(9, 2, 1.0), any(3, 9, 2.0), any(3, 2, 3.0)).unwrap();
+        let units: Vec<f64> = (0..9).map(|k| 2f64.powi((17 * k) % 61 - 30)).collect();
+        let wild = g.with_states_scaled(&units).unwrap();
+        for w in [0.1, 1.0, 3.3, 100.0] {
+            let plain = g.at(C64::new(0.0, w)).unwrap();
+            let fast = wild.frequency_response(&[w]).unwrap();
+            assert!((&fast[0] - &plain).norm_l2() < 1e-12 * plain.norm_l2(), "{w}");
+        }
     }
 
     #[test]

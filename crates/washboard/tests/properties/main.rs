@@ -3,6 +3,7 @@
 #![allow(clippy::unwrap_used)]
 
 mod dampers;
+mod light_peaks;
 mod lti;
 mod ride;
 mod sensors;

@@ -43,7 +43,14 @@ fn the_first_order_road_filter_is_recovered() {
 /// The notes: the log error of order 7 falls from R = I to R = S to R = S².
 #[test]
 fn weights_order_the_fits_of_the_split_power_law() {
-    let road = Spectrum::split_power_law(0.76e-5, 0.15708, 3.2, 2.2).unwrap();
+    let road = Spectrum::split_power_law(
+        0.76e-5,
+        TAU * 0.15708,
+        [3.2, 2.2],
+        [1e-3, 100.0],
+        Convention::OneSidedCyclesPerM,
+    )
+    .unwrap();
     let omega = log_grid(TAU * 0.005, TAU * 3.0, 63);
     // per rad/m: at 1 m/s time and distance are one
     let s: Vec<CMat> = omega.iter().map(|w| one(road.psd(*w, 1.0))).collect();

@@ -2,7 +2,9 @@
 
 #![allow(clippy::unwrap_used, clippy::print_stderr, clippy::print_stdout)]
 
+mod half_car;
 mod low_noise;
+mod mathworks;
 mod other_vehicles;
 mod plants;
 mod quarter_car;
