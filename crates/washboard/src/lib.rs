@@ -61,6 +61,7 @@ pub mod files;
 pub mod identify;
 pub mod linalg;
 pub mod lti;
+pub mod metrics;
 pub mod report;
 pub mod road;
 pub mod signal;

@@ -216,6 +216,12 @@ impl ShapingFilter {
         self.of
     }
 
+    /// Whether it runs over distance, and so gives a road of its own at any speed.
+    #[must_use]
+    pub fn is_over_distance(&self) -> bool {
+        self.over_distance
+    }
+
     /// Frequencies |λ| of the filter's poles, rad per its own variable.
     pub(crate) fn corner_frequencies(&self) -> Vec<f64> {
         if self.a.nrows() == 0 {

@@ -2,13 +2,17 @@
 
 mod coherence;
 mod filter;
+mod measured;
+mod profile;
 mod spec;
 mod spectrum;
 mod under_wheels;
 
 pub use coherence::Coherence;
 pub use filter::{Shapes, ShapingFilter};
-pub use spec::{CoherenceSpec, RoadSpec};
+pub use measured::{MeasuredSpectrum, spectrum_of_profile};
+pub use profile::{ProfileSettings, random_profile};
+pub use spec::{CoherenceSpec, FilterOutput, FilterVariable, RoadKind, RoadSpec};
 pub use spectrum::{IsoClass, Spectrum};
 pub(crate) use under_wheels::wheel_spectrum_without_delayed;
 pub use under_wheels::{SAME_TRACK_M, wheel_spectrum};

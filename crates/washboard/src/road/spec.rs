@@ -266,15 +266,15 @@ impl RoadSpec {
         };
         let over_distance = need("variable", self.variable)? == FilterVariable::Distance;
         let complex = |v: &[[f64; 2]]| v.iter().map(|z| C64::new(z[0], z[1])).collect::<Vec<_>>();
-        if let Some(poles) = &self.poles {
-            let zeros = complex(self.zeros.as_deref().unwrap_or_default());
-            return ShapingFilter::from_zeros_poles(
-                &zeros,
-                &complex(poles),
-                need("gain", self.gain)?,
-                of,
-                over_distance,
-            );
+        let by_roots = match &self.poles {
+            None => None,
+            Some(poles) => {
+                let zeros = complex(self.zeros.as_deref().unwrap_or_default());
+                Some((zeros, complex(poles), need("gain", self.gain)?))
+            }
+        };
+        if let (Some((zeros, poles, gain)), None) = (&by_roots, &self.a) {
+            return ShapingFilter::from_zeros_poles(zeros, poles, *gain, of, over_distance);
         }
         let rows = need("a", self.a.clone())?;
         if let Some(row) = rows.iter().find(|r| r.len() != rows.len()) {
@@ -282,14 +282,12 @@ impl RoadSpec {
             return Err(RoadError::Field { field: "a", expected: "a square matrix", found });
         }
         let a = Mat::from_fn(rows.len(), rows.len(), |i, j| rows[i][j]);
-        ShapingFilter::new(
-            a,
-            need("b", self.b.clone())?,
-            need("c", self.c.clone())?,
-            self.d.unwrap_or(0.0),
-            of,
-            over_distance,
-        )
+        let (b, c, d) = (need("b", self.b.clone())?, need("c", self.c.clone())?, self.d.unwrap_or(0.0));
+        let filter = ShapingFilter::new(a, b, c, d, of, over_distance)?;
+        if let Some((zeros, poles, gain)) = by_roots {
+            agree(&filter, &zeros, &poles, gain)?;
+        }
+        Ok(filter)
     }
 
     /// Refuses fields of other kinds.
@@ -334,6 +332,25 @@ fn need<T>(field: &'static str, value: Option<T>) -> Result<T, RoadError> {
         expected: "this field, which the kind of road needs",
         found: "none".into(),
     })
+}
+
+/// Refuses poles, zeros and a gain beside a state space of another |G|, at the frequencies of its poles.
+fn agree(filter: &ShapingFilter, zeros: &[C64], poles: &[C64], gain: f64) -> Result<(), RoadError> {
+    /// Files may be written with nine digits.
+    const ALIKE: f64 = 1e-6;
+    let velocity = filter.of() == Shapes::Velocity;
+    for omega in poles.iter().map(|p| p.norm()).filter(|w| *w > 0.0) {
+        let s = C64::new(0.0, omega);
+        let product = |roots: &[C64]| roots.iter().map(|r| s - r).product::<C64>();
+        let by_roots = (product(zeros) / product(poles) * gain).norm_sqr();
+        let by_states = filter.height_psd(omega, 1.0) * if velocity { omega * omega } else { 1.0 };
+        if !((by_roots / by_states - 1.0).abs() < ALIKE) {
+            let expected = "poles, zeros and gain of the filter that a, b, c and d are, or only one of both";
+            let found = format!("|G|^2 of {by_roots:e} beside {by_states:e} at {omega}");
+            return Err(RoadError::Field { field: "poles", expected, found });
+        }
+    }
+    Ok(())
 }
 
 /// A table from a CSV with a frequency column `nu_rad_per_m` or `n_cycles_per_m` and a column `psd`, one-sided densities
@@ -434,6 +451,10 @@ mod tests {
             (
                 "kind = \"first-order\"\ngain = -1.0\ncorner_rad_per_m = 0.1",
                 "gain: expected a positive number, found -1",
+            ),
+            (
+                "kind = \"filter\"\na = [[-0.5]]\nb = [1.0]\nc = [1.0]\npoles = [[-0.4, 0.0]]\ngain = 1.0\nof = \"displacement\"\nvariable = \"distance\"",
+                "poles: expected poles, zeros and gain of the filter",
             ),
             (
                 "kind = \"white-velocity\"\nintensity_m2_per_s = 1.0\n[coherence]\nkind = \"full\"\nmu = 1.0",

@@ -281,6 +281,16 @@ impl Spectrum {
         }
     }
 
+    /// Whether it is written over time, for one speed: a filter over time, a white velocity of given intensity.
+    #[must_use]
+    pub fn is_over_time(&self) -> bool {
+        match self {
+            Spectrum::WhiteVelocity { speed_power, .. } => *speed_power == 0,
+            Spectrum::Filter(filter) => !filter.is_over_distance(),
+            _ => false,
+        }
+    }
+
     /// The rational shaping filter over time, driven by unit-intensity white noise, where the spectrum has one.
     #[must_use]
     pub fn shaping_filter(&self, speed_m_s: f64) -> Option<ShapingFilter> {

@@ -3,7 +3,10 @@
 use super::design_words::short_numbers;
 use crate::cases::CaseError;
 use crate::files::FileError;
+use crate::metrics::MetricsError;
+use crate::road::RoadError;
 use crate::signal::SignalError;
+use crate::subspace::SubspaceError;
 use crate::synthesis::SynthesisError;
 use crate::vehicle::{
     BumpError, ControlError, LineariseError, PlantError, RideError, SimulateError, VehicleError,
@@ -75,6 +78,30 @@ pub enum StudyError {
         /// Why.
         source: Box<ControlError>,
     },
+    /// A road that cannot be what is asked.
+    #[error("{name}: {source}")]
+    Road {
+        /// Its file or `case:NAME`.
+        name: String,
+        /// Why.
+        source: RoadError,
+    },
+    /// A profile that has no measure.
+    #[error("{name}: {source}")]
+    Measure {
+        /// Its file.
+        name: String,
+        /// Why.
+        source: MetricsError,
+    },
+    /// Samples that have no rational model.
+    #[error("{name}: {source}")]
+    Shape {
+        /// Their file or `case:NAME`.
+        name: String,
+        /// Why.
+        source: Box<SubspaceError>,
+    },
     /// A drive that cannot be simulated.
     #[error(transparent)]
     Simulate(#[from] SimulateError),
@@ -105,6 +132,16 @@ impl StudyError {
             StudyError::Linearise { source: LineariseError::Ride(source), .. } => !numerical(source),
             StudyError::Linearise { source: LineariseError::NotConverged { .. }, .. } => false,
             StudyError::Simulate(SimulateError::Steps { .. }) => false,
+            StudyError::Measure { source: MetricsError::Linalg(_), .. } => false,
+            StudyError::Shape { source, .. } => !matches!(
+                **source,
+                SubspaceError::Linalg(_)
+                    | SubspaceError::Lti(_)
+                    | SubspaceError::NoSplit { .. }
+                    | SubspaceError::NoFactor(_)
+                    | SubspaceError::NotPositive { .. }
+                    | SubspaceError::Unverified { .. }
+            ),
             _ => true,
         }
     }

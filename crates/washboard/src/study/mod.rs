@@ -35,16 +35,29 @@ mod input_checks;
 mod load;
 mod modes;
 mod named;
+mod new_file;
+mod number_table;
 mod parts;
 mod physical_inputs;
 mod physical_notes;
+mod profile_file;
 mod respond;
 mod ride;
+mod road_analytic;
+mod road_fit;
+mod road_fit_file;
+mod road_fit_filter;
+mod road_fit_source;
+mod road_fit_words;
+mod road_iri;
+mod road_profile;
+mod road_spec;
 mod sensors;
 mod shape_points;
 mod simulate;
 mod spec;
 mod spectra_plot;
+mod spectrum_file;
 mod speed_parts;
 
 pub use crate::vehicle::Stretch;
@@ -69,6 +82,14 @@ pub use modes::{ModesOutcome, VehicleMode, VehicleModeKind, modes};
 pub use named::Named;
 pub use respond::{BumpOutcome, Direction, GainsOutcome, RespondOutcome, respond};
 pub use ride::{Infinite, RideOutcome, RideSpectra, Rms, ride};
+pub use road_analytic::{AnalyticSamples, RoadAnalyticOutcome, RoadAnalyticRun, road_analytic};
+pub use road_fit::{FitOrder, FittedSpectrum, RoadFitOutcome, RoadFitRun, road_fit};
+pub use road_fit_source::FitSource;
+pub use road_iri::{RoadIriOutcome, SegmentIri, TrackIri, road_iri};
+pub use road_profile::{ProfileTrack, RoadProfileOutcome, RoadProfileRun, road_profile};
+pub use road_spec::{
+    DensityConvention, FitWeight, RoadAnalyticSpec, RoadFitSpec, RoadIriSpec, RoadProfileSpec,
+};
 pub use sensors::{SensorRow, SensorsFile};
 pub use simulate::{
     DriveTruth, DrivenStretch, SimulateOutcome, SimulateRun, SimulatedChannel, TrueNoise, simulate,

@@ -1,6 +1,6 @@
 //! What a job is told: exactly what a command line gives, as data.
 
-use super::{DesignSpec, StudyError};
+use super::{DesignSpec, RoadAnalyticSpec, RoadFitSpec, RoadIriSpec, RoadProfileSpec, StudyError};
 use crate::units::Convention;
 use crate::vehicle::Stretch;
 use serde::{Deserialize, Serialize};
@@ -28,6 +28,14 @@ pub enum Spec {
     Compare(CompareSpec),
     /// See [`design`](super::design).
     Design(Box<DesignSpec>),
+    /// See [`road_fit`](super::road_fit).
+    RoadFit(Box<RoadFitSpec>),
+    /// See [`road_profile`](super::road_profile).
+    RoadProfile(RoadProfileSpec),
+    /// See [`road_iri`](super::road_iri).
+    RoadIri(RoadIriSpec),
+    /// See [`road_analytic`](super::road_analytic).
+    RoadAnalytic(RoadAnalyticSpec),
 }
 
 /// The modes of a vehicle.

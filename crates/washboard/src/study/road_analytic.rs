@@ -1,0 +1,300 @@
+//! The job `road analytic`: algorithm 2.4.1, an analytic function from its real or imaginary part, phase or magnitude.
+
+use super::identify_outcome::Flag;
+use super::new_file::check_new_file;
+use super::number_table::NumberTable;
+use super::road_fit::{pairs, rows};
+use super::{Input, RoadAnalyticSpec, StudyError};
+use crate::linalg::{C64, RealSchur};
+use crate::subspace::{
+    AnalyticModel, AnalyticSettings, Part, SubspaceError, Unpaired, Weights, fit_analytic,
+};
+use crate::units::rad_per_s;
+use serde::{Deserialize, Serialize};
+use std::f64::consts::PI;
+use std::fmt::Write;
+use std::path::PathBuf;
+
+/// A stable function, and what it has where only a part of it was given.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct RoadAnalyticOutcome {
+    /// The column that was given: `real`, `imag`, `phase_rad` or `magnitude`.
+    pub given: String,
+    /// What the system is: `f`, or `ln f` of a phase or magnitude.
+    pub system: String,
+    /// n.
+    pub order: usize,
+    /// p.
+    pub p: usize,
+    /// λ of s = λ(z − 1)/(z + 1), where the data is over frequency.
+    pub lambda: Option<f64>,
+    /// Root mean square of the given part less the fitted one.
+    pub rms_error: f64,
+    /// Root mean square of the given part.
+    pub rms_given: f64,
+    /// 2n of them stand out where there are n states.
+    pub singular_values: Vec<f64>,
+    /// Poles that were mirrored.
+    pub folded: usize,
+    /// Whether the real part fell below zero and was lifted.
+    pub positivity_repaired: bool,
+    /// In z, as \[re, im\].
+    pub poles: Vec<[f64; 2]>,
+    /// In z, rows.
+    pub a: Vec<Vec<f64>>,
+    /// Rows.
+    pub b: Vec<Vec<f64>>,
+    /// Rows.
+    pub c: Vec<Vec<f64>>,
+    /// Rows.
+    pub d: Vec<Vec<f64>>,
+    /// At the samples.
+    pub samples: AnalyticSamples,
+    /// What is to be known.
+    pub notes: Vec<Flag>,
+    /// The file that was written.
+    pub file: Option<String>,
+}
+
+/// f at the samples.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+pub struct AnalyticSamples {
+    /// Angles on the unit circle.
+    pub theta_rad: Vec<f64>,
+    /// As they were given.
+    pub given: Vec<f64>,
+    /// f (for a phase: up to a factor, with ln|f| of mean 0 over the circle).
+    pub real: Vec<f64>,
+    /// f.
+    pub imag: Vec<f64>,
+    /// |f|.
+    pub magnitude: Vec<f64>,
+    /// arg f, of a phase or magnitude continuous, otherwise from −π to π.
+    pub phase_rad: Vec<f64>,
+}
+
+/// An outcome, the file to be written, and the files read.
+#[derive(Debug)]
+pub struct RoadAnalyticRun {
+    /// What was found.
+    pub outcome: RoadAnalyticOutcome,
+    /// To be written, where that was asked for.
+    pub file: Option<(PathBuf, Vec<u8>)>,
+    /// Every file that was read.
+    pub inputs: Vec<Input>,
+}
+
+/// The columns that may be given.
+const GIVEN: [&str; 4] = ["real", "imag", "phase_rad", "magnitude"];
+/// Frequencies: name, in cycles.
+const AXES: [(&str, bool); 5] = [
+    ("theta_rad", false),
+    ("omega_rad_s", false),
+    ("freq_hz", true),
+    ("nu_rad_per_m", false),
+    ("n_cycles_per_m", true),
+];
+
+/// The function of the samples that a spec names; the caller writes its file.
+///
+/// # Errors
+/// A file that is none, with its line; an order too high for the samples; a fit that fails.
+pub fn road_analytic(spec: &RoadAnalyticSpec) -> Result<RoadAnalyticRun, StudyError> {
+    if let Some(output) = &spec.output {
+        check_new_file(output, spec.overwrite)?;
+    }
+    let table = NumberTable::read(&spec.data, false)?;
+    let mut notes = Vec::new();
+    let mut note = |name: &str, text: String| notes.push(Flag { name: name.to_owned(), text });
+    let known: Vec<&str> = AXES.iter().map(|a| a.0).chain(GIVEN).collect();
+    table.only(&known)?;
+    let (theta, lambda, chosen) = angles(&table, spec)?;
+    if chosen {
+        let text =
+            "lambda is the geometric mean of the lowest and highest frequency (--lambda gives another)";
+        note("lambda-chosen", text.into());
+    }
+    let found: Vec<&str> = GIVEN.into_iter().filter(|g| table.index(g).is_some()).collect();
+    let [given] = found.as_slice() else {
+        return Err(table.header_error("one of the columns real, imag, phase_rad, magnitude"));
+    };
+    let raw = table.index(given).map(|k| table.columns[k].clone()).unwrap_or_default();
+    let logarithm = matches!(*given, "phase_rad" | "magnitude");
+    let values = checked(&table, given, raw.clone())?;
+    let part = match (*given, spec.positive) {
+        ("real", true) => Part::PositiveReal,
+        ("real" | "magnitude", false) => Part::Real,
+        ("imag" | "phase_rad", false) => Part::Imaginary,
+        _ => {
+            let expected = "--positive only with a column real".to_owned();
+            return Err(StudyError::Setting { field: "positive", expected, found: (*given).to_owned() });
+        }
+    };
+    let n = spec.order;
+    let independent = 2 * theta.len() - theta.iter().filter(|t| **t == 0.0 || **t == PI).count();
+    let least = 2 * n + 1;
+    let p = spec.block_rows.unwrap_or_else(|| (independent.saturating_sub(2 * n) / 2).min(64).max(least));
+    let settings = AnalyticSettings { unpaired: Unpaired::Fold, ..AnalyticSettings::new(n, p) };
+    let fail =
+        |e: SubspaceError| StudyError::Shape { name: spec.data.display().to_string(), source: Box::new(e) };
+    let model = fit_analytic(&theta, &values, Weights::Equal, part, &settings).map_err(fail)?;
+    let (samples, errors) = evaluated(&model, theta, raw, &values, logarithm, part).map_err(fail)?;
+    if model.folded > 0 {
+        note(
+            "folded",
+            format!(
+                "{} poles had no mirror image and were folded into the circle: another order may fit better",
+                model.folded
+            ),
+        );
+    }
+    if let Some(repair) = &model.repair {
+        note(
+            "positivity-repaired",
+            format!("the real part fell below zero and was lifted, in {} rounds", repair.rounds),
+        );
+    }
+    match *given {
+        "imag" => note(
+            "no-constant",
+            "an imaginary part does not show f's constant: f is 0 at z = infinity (s = lambda)".into(),
+        ),
+        "phase_rad" => {
+            note("no-scale", "a phase does not show f's size: ln|f| has mean 0 over the circle".into())
+        }
+        "magnitude" => {
+            note("minimum-phase", "the phase is that of a stable, minimum-phase f of this magnitude".into())
+        }
+        _ => {}
+    }
+    if logarithm {
+        note(
+            "of-ln-f",
+            "ln f is not rational: the order is that of an approximation, whose error is given".into(),
+        );
+    }
+    let rms = |x: &[f64]| (x.iter().map(|x| x * x).sum::<f64>() / x.len().max(1) as f64).sqrt();
+    let a = model.system.a();
+    let mut poles = if a.nrows() == 0 {
+        Vec::new()
+    } else {
+        RealSchur::new(a).map_err(|e| fail(e.into()))?.eigenvalues().to_vec()
+    };
+    poles.sort_by(|x: &C64, y| x.norm().total_cmp(&y.norm()).then(x.im.total_cmp(&y.im)));
+    let file = spec.output.as_ref().map(|path| (path.clone(), csv(&samples, given)));
+    let outcome = RoadAnalyticOutcome {
+        given: (*given).to_owned(),
+        system: if logarithm { "ln f" } else { "f" }.to_owned(),
+        order: n,
+        p,
+        lambda,
+        rms_error: rms(&errors),
+        rms_given: rms(&values),
+        singular_values: model.singular_values.clone(),
+        folded: model.folded,
+        positivity_repaired: model.repair.is_some(),
+        poles: pairs(&poles),
+        a: rows(model.system.a()),
+        b: rows(model.system.b()),
+        c: rows(model.system.c()),
+        d: rows(model.system.d()),
+        samples,
+        notes,
+        file: spec.output.as_ref().map(|p| p.display().to_string()),
+    };
+    Ok(RoadAnalyticRun { outcome, file, inputs: vec![table.input] })
+}
+
+/// Angles, λ, and whether λ was chosen here.
+fn angles(table: &NumberTable, spec: &RoadAnalyticSpec) -> Result<(Vec<f64>, Option<f64>, bool), StudyError> {
+    let found: Vec<_> = AXES.iter().filter_map(|a| table.index(a.0).map(|k| (k, a))).collect();
+    let [(at, (name, cycles))] = found.as_slice() else {
+        return Err(
+            table.header_error("one column theta_rad, omega_rad_s, freq_hz, nu_rad_per_m or n_cycles_per_m")
+        );
+    };
+    table.ascending(*at, 0.0)?;
+    let values = &table.columns[*at];
+    if let Some(l) = spec.lambda_rad
+        && !(l > 0.0 && l.is_finite())
+    {
+        let expected = "a positive number".to_owned();
+        return Err(StudyError::Setting { field: "lambda", expected, found: l.to_string() });
+    }
+    if *name == "theta_rad" {
+        if spec.lambda_rad.is_some() {
+            let expected = "no lambda with theta_rad, which is on the circle already".to_owned();
+            return Err(StudyError::Setting { field: "lambda", expected, found: "one".into() });
+        }
+        if let Some(row) = values.iter().position(|t| *t > PI) {
+            let message = format!("column theta_rad: expected angles from 0 to pi, found {}", values[row]);
+            return Err(table.row_error(row, message));
+        }
+        return Ok((values.clone(), None, false));
+    }
+    let omega: Vec<f64> = values.iter().map(|w| if *cycles { rad_per_s(*w) } else { *w }).collect();
+    let low = omega.iter().copied().find(|w| *w > 0.0).unwrap_or(1.0);
+    let high = omega.last().copied().filter(|w| *w > 0.0).unwrap_or(1.0);
+    let lambda = spec.lambda_rad.unwrap_or((low * high).sqrt());
+    let theta = omega.iter().map(|w| 2.0 * (w / lambda).atan()).collect();
+    Ok((theta, Some(lambda), spec.lambda_rad.is_none()))
+}
+
+/// What is fitted: logarithms of magnitudes, phases without jumps.
+fn checked(table: &NumberTable, given: &str, raw: Vec<f64>) -> Result<Vec<f64>, StudyError> {
+    match given {
+        "magnitude" => {
+            if let Some(row) = raw.iter().position(|m| !(*m > 0.0)) {
+                let message = format!("column magnitude: expected a number above 0, found {}", raw[row]);
+                return Err(table.row_error(row, message));
+            }
+            Ok(raw.iter().map(|m| m.ln()).collect())
+        }
+        "phase_rad" => {
+            if let Some(row) = (1..raw.len()).find(|k| (raw[*k] - raw[k - 1]).abs() > PI) {
+                let message = format!(
+                    "column phase_rad: expected a continuous phase, found {} after {}: unwrap it first",
+                    raw[row],
+                    raw[row - 1]
+                );
+                return Err(table.row_error(row, message));
+            }
+            Ok(raw)
+        }
+        _ => Ok(raw),
+    }
+}
+
+/// f at the samples, and the given part less the fitted one.
+fn evaluated(
+    model: &AnalyticModel,
+    theta: Vec<f64>,
+    given: Vec<f64>,
+    values: &[f64],
+    logarithm: bool,
+    part: Part,
+) -> Result<(AnalyticSamples, Vec<f64>), SubspaceError> {
+    let mut s = AnalyticSamples { given, ..AnalyticSamples::default() };
+    let mut errors = Vec::with_capacity(theta.len());
+    for (t, value) in theta.iter().zip(values) {
+        let z = model.system.at(C64::from_polar(1.0, *t))?[(0, 0)];
+        errors.push(value - if part == Part::Imaginary { z.im } else { z.re });
+        let f = if logarithm { z.exp() } else { z };
+        s.real.push(f.re);
+        s.imag.push(f.im);
+        s.magnitude.push(f.norm());
+        s.phase_rad.push(if logarithm { z.im } else { f.arg() });
+    }
+    s.theta_rad = theta;
+    Ok((s, errors))
+}
+
+fn csv(s: &AnalyticSamples, given: &str) -> Vec<u8> {
+    let mut text = format!("theta_rad,given_{given},real,imag,magnitude,phase_rad\n");
+    for k in 0..s.theta_rad.len() {
+        let row = [s.theta_rad[k], s.given[k], s.real[k], s.imag[k], s.magnitude[k], s.phase_rad[k]];
+        let fields: Vec<String> = row.iter().map(|v| format!("{v:.12e}")).collect();
+        let _ = writeln!(text, "{}", fields.join(","));
+    }
+    text.into_bytes()
+}

@@ -1,0 +1,95 @@
+//! What a fitted filter's reader must know, in words.
+
+use super::identify_outcome::Flag;
+use super::road_fit::RoadFitOutcome;
+use super::road_fit_filter::RoadFilter;
+use super::road_fit_source::FitSource;
+use crate::road::FilterOutput;
+
+/// A fit further off than this (log₁₀, rms) is called rough.
+const ROUGH: f64 = 0.1;
+
+/// Choice of the order, repairs, foldings, roll-off, and where the filter may be believed.
+pub(super) fn notes(o: &RoadFitOutcome, filter: &RoadFilter) -> Vec<Flag> {
+    let mut notes = Vec::new();
+    let mut note = |name: &str, text: String| notes.push(Flag { name: name.to_owned(), text });
+    if !o.orders.is_empty() {
+        let tried = o.orders.len();
+        let mut text = format!("order {} of 1 to {tried} has the smallest Bayes' criterion", o.order);
+        if let Some(n) = drop(&o.singular_values) {
+            text +=
+                &format!("; the singular values' largest drop is after {n}, as of order {}", n.div_ceil(2));
+        }
+        if o.source == FitSource::Road {
+            text += "; a road is no noisy measurement, and a higher order is nearer to it: choose by the error with --order";
+        } else if o.order == tried {
+            text += "; it is the largest that was tried (--max-order tries more)";
+        }
+        note("order-chosen", text);
+    }
+    if let Some(repair) = &filter.fit.model.repair {
+        let at = filter.fit.lambda_rad * (0.5 * repair.theta_rad).tan();
+        note(
+            "positivity-repaired",
+            format!(
+                "the fit fell below zero (lowest near {at:.4} {}) and was lifted by least squares under constraints, in {} rounds; its misfit grew by a factor {:.3}",
+                o.unit,
+                repair.rounds,
+                repair.misfit[1] / repair.misfit[0]
+            ),
+        );
+    }
+    if o.folded > 0 {
+        note(
+            "folded",
+            format!(
+                "{} poles had no mirror image and were folded into the stable half plane: another order may fit better",
+                o.folded
+            ),
+        );
+    }
+    match (o.roll_off_rad, o.of) {
+        (Some(corner), _) => note(
+            "roll-off",
+            format!(
+                "the fit of order {} has feedthrough, white noise in the {}: a low-pass at {corner:.4} {} makes it strictly proper, one state more; the fit allows for it, so that it bends nothing within the band (--roll-off moves it, --proper leaves the feedthrough)",
+                o.order,
+                if o.of == FilterOutput::Velocity { "velocity" } else { "height" },
+                o.unit
+            ),
+        ),
+        (None, FilterOutput::Displacement) if filter.system.d().norm_l2() > 0.0 => {
+            note(
+                "proper",
+                "the filter has feedthrough: white noise in the height, and accelerations are infinite on it"
+                    .into(),
+            );
+        }
+        _ => {}
+    }
+    if !(o.log10_rms_error <= ROUGH) {
+        note(
+            "rough",
+            format!(
+                "densities are off by a factor {:.2} (rms), {:.2} at most: try another --order or --band",
+                10f64.powf(o.log10_rms_error),
+                10f64.powf(o.log10_max_error)
+            ),
+        );
+    }
+    note(
+        "band",
+        format!(
+            "fitted from {:.4e} to {:.4e} {}; what the filter has beyond is its own continuation",
+            o.band[0], o.band[1], o.unit
+        ),
+    );
+    notes
+}
+
+/// After how many singular values the next one falls by the largest factor.
+fn drop(values: &[f64]) -> Option<usize> {
+    let largest = values.first().copied()?;
+    let ratio = |k: usize| values[k - 1] / values[k].max(1e-14 * largest);
+    (1..values.len()).max_by(|a, b| ratio(*a).total_cmp(&ratio(*b)))
+}
