@@ -10,4 +10,5 @@ pub mod modes;
 pub mod report;
 pub mod respond;
 pub mod ride;
+pub mod road;
 pub mod simulate;

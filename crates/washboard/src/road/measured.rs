@@ -4,8 +4,6 @@ use crate::signal::{
     Channel, Direction, Place, Quantity, Recording, Segment, SignalError, WelchSettings, welch,
 };
 
-/// Bands an octave.
-const PER_OCTAVE: f64 = 3.0;
 /// The first bins are bent by the means that are taken off and by the window.
 const FIRST_BIN: usize = 3;
 
@@ -33,6 +31,7 @@ pub fn spectrum_of_profile(
     tracks: &[Vec<f64>],
     step_m: f64,
     segment_m: f64,
+    per_octave: f64,
 ) -> Result<MeasuredSpectrum, SignalError> {
     let channel = |name: String| Channel {
         name,
@@ -59,7 +58,7 @@ pub fn spectrum_of_profile(
     let last = spectra.s.len() - 1;
     let mut from = FIRST_BIN;
     while from < last {
-        let edge = from as f64 * 2f64.powf(1.0 / PER_OCTAVE);
+        let edge = from as f64 * 2f64.powf(1.0 / per_octave);
         let to = (edge.round() as usize).clamp(from + 1, last);
         let count = (to - from) as f64;
         let nu = (from..to).map(|k| spectra.omega_rad_s[k].ln()).sum::<f64>() / count;
@@ -108,7 +107,7 @@ mod tests {
                 *y += 583.0 + 0.003 * k as f64;
             }
         }
-        let found = spectrum_of_profile(&tracks, 0.1, 200.0).unwrap();
+        let found = spectrum_of_profile(&tracks, 0.1, 200.0, 3.0).unwrap();
         assert!(found.nu_rad_per_m.len() > 20);
         let mut squares = 0.0;
         for (k, nu) in found.nu_rad_per_m.iter().enumerate() {
@@ -136,7 +135,7 @@ mod tests {
     fn a_line_is_taken_off_and_wrong_segments_are_refused() {
         let line: Vec<f64> = (0..100).map(|k| 583.0 + 0.1 * f64::from(k)).collect();
         assert!(detrended(&line).iter().all(|y| y.abs() < 1e-11));
-        assert!(spectrum_of_profile(&[line.clone()], 0.1, 20.0).is_err());
-        assert!(spectrum_of_profile(&[line], 0.1, 0.3).is_err());
+        assert!(spectrum_of_profile(&[line.clone()], 0.1, 20.0, 3.0).is_err());
+        assert!(spectrum_of_profile(&[line], 0.1, 0.3, 3.0).is_err());
     }
 }

@@ -3,7 +3,7 @@
 use super::identify_outcome::Flag;
 use super::new_file::check_new_file;
 use super::road_fit_file::{check_name, filter_file, road_of};
-use super::road_fit_filter::{Feedthrough, RoadFilter, fit_filter};
+use super::road_fit_filter::{Choice, Feedthrough, RoadFilter, choose, fit_filter};
 use super::road_fit_source::{FitSamples, FitSource, read_source};
 use super::road_fit_words::notes;
 use super::{FitWeight, Input, RoadFitSpec, StudyError};
@@ -82,9 +82,9 @@ pub struct RoadFitOutcome {
 pub struct FitOrder {
     /// n.
     pub order: usize,
-    /// Root of the weighted sum of squares; none where the order can't be fitted.
-    pub misfit: Option<f64>,
-    /// Bayes' criterion: the smallest is chosen.
+    /// As the outcome's; none where the order can't be fitted.
+    pub log10_rms_error: Option<f64>,
+    /// Bayes' criterion, N ln(Σwr²/Σw) + k ln N of the relative errors r.
     pub bic: Option<f64>,
 }
 
@@ -120,13 +120,20 @@ pub fn road_fit(spec: &RoadFitSpec) -> Result<RoadFitRun, StudyError> {
     if let Some(output) = &spec.output {
         check_name(output, samples.s.first().map_or(1, |s| s.nrows()))?;
     }
-    let (settings, weight) = settings(spec, &samples)?;
+    let (settings, most, weight) = settings(spec, &samples)?;
     let feedthrough = match (samples.of, spec.proper, spec.roll_off_rad) {
         (_, true, _) | (FilterOutput::Velocity, _, None) => Feedthrough::Keep,
         (_, _, corner) => Feedthrough::RollOff(corner),
     };
     let fail = |source| StudyError::Shape { name: spec.source.clone(), source: Box::new(source) };
-    let filter = fit_filter(&samples.omega, &samples.s, &settings, feedthrough).map_err(fail)?;
+    let (omega, s) = (&samples.omega, &samples.s);
+    let (filter, orders) = match spec.order {
+        Some(_) => (fit_filter(omega, s, &settings, feedthrough).map_err(fail)?, Vec::new()),
+        None => {
+            let choice = if samples.kind == FitSource::Road { Choice::Accuracy } else { Choice::Criterion };
+            choose(omega, s, &settings, feedthrough, most, choice).map_err(fail)?
+        }
+    };
     let spectrum = compared(&filter, &samples, &spec.source)?;
     let errors: Vec<f64> = spectrum
         .given
@@ -162,11 +169,7 @@ pub fn road_fit(spec: &RoadFitSpec) -> Result<RoadFitRun, StudyError> {
         weight: weight.to_owned(),
         roll_off_rad: filter.roll_off_rad,
         singular_values: model.singular_values.clone(),
-        orders: model
-            .orders
-            .iter()
-            .map(|o| FitOrder { order: o.order, misfit: o.misfit, bic: o.bic })
-            .collect(),
+        orders,
         spectrum,
         notes: std::mem::take(&mut samples.notes),
         file: spec.output.as_ref().map(|p| p.display().to_string()),
@@ -212,8 +215,11 @@ fn check_settings(spec: &RoadFitSpec) -> Result<(), StudyError> {
     Ok(())
 }
 
-/// How the fit is done, and what its weights are called.
-fn settings(spec: &RoadFitSpec, samples: &FitSamples) -> Result<(ShapeSettings, &'static str), StudyError> {
+/// How the fit is done, the largest order to try, and what its weights are called.
+fn settings(
+    spec: &RoadFitSpec,
+    samples: &FitSamples,
+) -> Result<(ShapeSettings, usize, &'static str), StudyError> {
     let m = samples.s.first().map_or(1, |s| s.nrows());
     let count = samples.omega.len();
     // p ≥ 2n/m + 1 block rows, p m + 2n equations of (2N − 1) m at least
@@ -229,7 +235,7 @@ fn settings(spec: &RoadFitSpec, samples: &FitSamples) -> Result<(ShapeSettings, 
             return Err(StudyError::Setting { field: "order", expected, found: n.to_string() });
         }
         Some(n) => Order::Given(n),
-        None => Order::AtMost(spec.max_order.unwrap_or(MOST_ORDER).min(most)),
+        None => Order::Given(1),
     };
     let (weights, name) = match (spec.weight, &samples.variances, samples.kind) {
         (Some(FitWeight::None), ..) => (ShapeWeights::Equal, "none"),
@@ -248,7 +254,7 @@ fn settings(spec: &RoadFitSpec, samples: &FitSamples) -> Result<(ShapeSettings, 
         unpaired: Unpaired::Fold,
         roll_off_rad: None,
     };
-    Ok((settings, name))
+    Ok((settings, spec.max_order.unwrap_or(MOST_ORDER).min(most), name))
 }
 
 /// Samples beside the filter that will be written: of one track through the road that its file makes.

@@ -1,15 +1,21 @@
-//! A shaping filter that a road can be: strictly proper where it shapes height.
+//! A shaping filter that a road can be (strictly proper where it shapes height), and the choice of its order.
 
+use super::FitOrder;
 use crate::linalg::{C64, CMat, Mat};
 use crate::lti::{Continuous, StateSpace};
-use crate::subspace::{ShapeFit, ShapeSettings, ShapeWeights, SubspaceError, Weights, fit_shape};
+use crate::subspace::{Order, ShapeFit, ShapeSettings, ShapeWeights, SubspaceError, Weights, fit_shape};
 
 /// A feedthrough below this share of the response at the band's upper end is rounding.
 const NEGLIGIBLE: f64 = 1e-8;
-/// Where the low-pass has its corner, over the band's upper end, where nothing is given.
-const BEYOND: f64 = 2.0;
+/// Where the low-pass has its corner where nothing is given: half the band's lower end (heights fall over the whole band, as a road's), or
+/// twice its upper end (they fall beyond it), whichever fits better.
+const CORNERS: [f64; 2] = [0.5, 2.0];
 /// Zeros beyond this multiple of the band's upper end come of rounding.
 const FAR: f64 = 1e6;
+/// Relative errors below this are rounding: a higher order can't be better.
+const EXACT: f64 = 1e-8;
+/// A road is followed to this log₁₀ error (rms), where an order is to be chosen.
+pub(super) const ACCURATE: f64 = 0.02;
 
 /// A filter as it is written, and the fit that it came from.
 #[derive(Debug)]
@@ -29,57 +35,121 @@ pub(super) struct RoadFilter {
 pub(super) enum Feedthrough {
     /// It stays.
     Keep,
-    /// A low-pass at this corner, or twice the band's upper end, takes it away.
+    /// A low-pass at this corner, or at one of [`CORNERS`], takes it away.
     RollOff(Option<f64>),
 }
 
-/// Fits the samples; a filter with feedthrough, where none may be, is fitted once more to S(1 + ω²/ω_r²) and followed by ω_r/(s + ω_r), so
-/// that the low-pass bends nothing within the band.
+/// How an order is chosen.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Choice {
+    /// N ln(Σ w r²/N) + k ln N of the relative errors r is smallest: noisy samples.
+    Criterion,
+    /// The lowest order that is accurate, or else the most accurate: exact samples.
+    Accuracy,
+}
+
+/// The filter of the best order from 1 to `most`, and all that were tried.
+pub(super) fn choose(
+    omega: &[f64],
+    s: &[CMat],
+    settings: &ShapeSettings,
+    feedthrough: Feedthrough,
+    most: usize,
+    choice: Choice,
+) -> Result<(RoadFilter, Vec<FitOrder>), SubspaceError> {
+    let mut tried = Vec::new();
+    let mut best: Option<(f64, RoadFilter)> = None;
+    let mut failure = None;
+    for order in 1..=most {
+        let one = ShapeSettings { order: Order::Given(order), ..settings.clone() };
+        match fit_filter(omega, s, &one, feedthrough) {
+            Err(e) => {
+                tried.push(FitOrder { order, log10_rms_error: None, bic: None });
+                failure = Some(e);
+            }
+            Ok(filter) => {
+                let error = filter.fit.log10_rms_error;
+                let bic = criterion(&filter, omega, s, &settings.weights)?;
+                tried.push(FitOrder { order, log10_rms_error: Some(error), bic: Some(bic) });
+                let value = if choice == Choice::Criterion { bic } else { error };
+                if best.as_ref().is_none_or(|b| value < b.0) {
+                    best = Some((value, filter));
+                }
+                if choice == Choice::Accuracy && error < ACCURATE {
+                    break;
+                }
+            }
+        }
+    }
+    match (best, failure) {
+        (Some((_, filter)), _) => Ok((filter, tried)),
+        (None, Some(e)) => Err(e),
+        (None, None) => {
+            let (expected, found) = ("1 or more".to_owned(), most.to_string());
+            Err(SubspaceError::Field { field: "max_order", expected, found })
+        }
+    }
+}
+
+/// Fits the samples. Where no feedthrough may be and the fit has one, S(1 + ω²/ω_r²) is fitted instead and followed by ω_r/(s + ω_r): the
+/// low-pass bends nothing within the band.
 pub(super) fn fit_filter(
     omega: &[f64],
     s: &[CMat],
     settings: &ShapeSettings,
     feedthrough: Feedthrough,
 ) -> Result<RoadFilter, SubspaceError> {
-    let fit = fit_shape(omega, s, settings)?;
-    let high = fit.band_rad[1];
-    let size = fit.filter.at(C64::new(0.0, high))?.norm_l2();
-    let proper = fit.filter.d().norm_l2() > NEGLIGIBLE * size;
-    match feedthrough {
-        Feedthrough::RollOff(corner) if proper || corner.is_some() => {
-            let corner = corner.unwrap_or(BEYOND * high);
-            let lift: Vec<f64> = omega.iter().map(|w| 1.0 + (w / corner).powi(2)).collect();
-            let lifted: Vec<CMat> =
-                s.iter().zip(&lift).map(|(s, l)| s * faer::Scale(C64::new(*l, 0.0))).collect();
-            let squares =
-                |r: &[f64]| Weights::Variances(r.iter().zip(&lift).map(|(r, l)| r * l * l).collect());
-            // an error of S is one of S(1 + ω²/ω_r²) that is as many times larger
-            let weights = match &settings.weights {
-                ShapeWeights::Equal => ShapeWeights::Given(squares(&vec![1.0; omega.len()])),
-                ShapeWeights::Given(Weights::Variances(r)) => ShapeWeights::Given(squares(r)),
-                other => other.clone(),
-            };
-            let fit = fit_shape(omega, &lifted, &ShapeSettings { weights, ..settings.clone() })?;
-            let m = fit.filter.outputs();
-            let eye = |v: f64| Mat::from_fn(m, m, |i, j| if i == j { v } else { 0.0 });
-            let low_pass = StateSpace::continuous(eye(-corner), eye(corner), eye(1.0), Mat::zeros(m, m))?;
-            let system = fit.filter.series(&low_pass)?;
-            let zeros = fit.zeros.clone();
-            of(system, zeros, high, Some(corner), fit)
-        }
-        Feedthrough::RollOff(_) => {
+    let low = omega.iter().copied().find(|w| *w > 0.0).unwrap_or(1.0);
+    let high = omega.last().copied().filter(|w| *w > 0.0).unwrap_or(1.0);
+    let plain = match feedthrough {
+        Feedthrough::RollOff(Some(corner)) => return rolled(omega, s, settings, corner, high),
+        _ => fit_shape(omega, s, settings),
+    };
+    if feedthrough == Feedthrough::Keep {
+        let fit = plain?;
+        return of(fit.filter.clone(), fit.zeros.clone(), high, None, fit);
+    }
+    if let Ok(fit) = plain {
+        let size = fit.filter.at(C64::new(0.0, high))?.norm_l2();
+        if fit.filter.d().norm_l2() <= NEGLIGIBLE * size {
             let g = &fit.filter;
-            let (p, m) = (g.outputs(), g.inputs());
-            let system =
-                StateSpace::continuous(g.a().clone(), g.b().clone(), g.c().clone(), Mat::zeros(p, m))?;
+            let none = Mat::zeros(g.outputs(), g.inputs());
+            let system = StateSpace::continuous(g.a().clone(), g.b().clone(), g.c().clone(), none)?;
             let zeros = fit.zeros.iter().copied().filter(|z| z.norm() < FAR * high).collect();
-            of(system, zeros, high, None, fit)
-        }
-        Feedthrough::Keep => {
-            let (system, zeros) = (fit.filter.clone(), fit.zeros.clone());
-            of(system, zeros, high, None, fit)
+            return of(system, zeros, high, None, fit);
         }
     }
+    let [below, beyond] = [CORNERS[0] * low, CORNERS[1] * high].map(|c| rolled(omega, s, settings, c, high));
+    match (below, beyond) {
+        (Ok(a), Ok(b)) => Ok(if a.fit.log10_rms_error <= b.fit.log10_rms_error { a } else { b }),
+        (Ok(one), Err(_)) | (Err(_), Ok(one)) => Ok(one),
+        (Err(e), Err(_)) => Err(e),
+    }
+}
+
+fn rolled(
+    omega: &[f64],
+    s: &[CMat],
+    settings: &ShapeSettings,
+    corner: f64,
+    high: f64,
+) -> Result<RoadFilter, SubspaceError> {
+    let lift: Vec<f64> = omega.iter().map(|w| 1.0 + (w / corner).powi(2)).collect();
+    let lifted: Vec<CMat> = s.iter().zip(&lift).map(|(s, l)| s * faer::Scale(C64::new(*l, 0.0))).collect();
+    let squares = |r: &[f64]| Weights::Variances(r.iter().zip(&lift).map(|(r, l)| r * l * l).collect());
+    // an error of S is one of S(1 + ω²/ω_r²) that is as many times larger
+    let weights = match &settings.weights {
+        ShapeWeights::Equal => ShapeWeights::Given(squares(&vec![1.0; omega.len()])),
+        ShapeWeights::Given(Weights::Variances(r)) => ShapeWeights::Given(squares(r)),
+        other => other.clone(),
+    };
+    let fit = fit_shape(omega, &lifted, &ShapeSettings { weights, ..settings.clone() })?;
+    let m = fit.filter.outputs();
+    let eye = |v: f64| Mat::from_fn(m, m, |i, j| if i == j { v } else { 0.0 });
+    let low_pass = StateSpace::continuous(eye(-corner), eye(corner), eye(1.0), Mat::zeros(m, m))?;
+    let system = fit.filter.series(&low_pass)?;
+    let zeros = fit.zeros.clone();
+    of(system, zeros, high, Some(corner), fit)
 }
 
 /// States scaled, roots sorted, the gain made positive.
@@ -107,4 +177,35 @@ fn of(
         gain = Some(found.abs());
     }
     Ok(RoadFilter { system, poles, zeros, gain, roll_off_rad, fit })
+}
+
+/// Bayes' criterion of the relative errors of the filter, weighted as they were fitted.
+fn criterion(
+    filter: &RoadFilter,
+    omega: &[f64],
+    s: &[CMat],
+    weights: &ShapeWeights,
+) -> Result<f64, SubspaceError> {
+    let m = filter.system.outputs();
+    let (mut sum, mut total) = (0.0, 0.0);
+    for (k, (w, s)) in omega.iter().zip(s).enumerate() {
+        let h = filter.system.at(C64::new(0.0, *w))?;
+        let (found, size) = (&h * h.adjoint(), s.norm_l2());
+        if size == 0.0 {
+            continue;
+        }
+        let error = if m == 1 { (found[(0, 0)].re / size).ln() } else { (found - s).norm_l2() / size };
+        // S²/R: how many times the error that is looked for the sample's own is not
+        let weight = match weights {
+            ShapeWeights::Equal => size * size,
+            ShapeWeights::Relative => size,
+            ShapeWeights::Given(Weights::Variances(r)) => size * size / r[k],
+            ShapeWeights::RelativeSquared | ShapeWeights::Given(_) => 1.0,
+        };
+        sum += weight * error * error;
+        total += weight;
+    }
+    let observed = (omega.len() * m * m) as f64;
+    let unknowns = (2 * filter.fit.model.order * m + m * (m + 1) / 2) as f64;
+    Ok(observed * (sum / total).max(EXACT * EXACT).ln() + unknowns * observed.ln())
 }

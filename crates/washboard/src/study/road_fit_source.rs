@@ -13,8 +13,12 @@ use std::path::Path;
 
 /// Samples that are taken of a road.
 const ROAD_SAMPLES: usize = 100;
-/// Segments of a profile's spectrum are this share of it, where their length is not given.
-const SEGMENT_SHARE: f64 = 0.25;
+/// Segments of a profile's spectrum are this share of it, where their length is not given: the fit wants averages more than long waves.
+const SEGMENT_SHARE: f64 = 0.125;
+/// And no longer than this, m: the longest wave is a third of it, which no vehicle feels.
+const MOST_SEGMENT_M: f64 = 400.0;
+/// Bands an octave of a profile's spectrum.
+const PER_OCTAVE: f64 = 3.0;
 /// A profile's steps may differ by this share before it is made even.
 const EVEN: f64 = 1e-3;
 
@@ -175,8 +179,8 @@ fn of_profile(profile: ProfileFile, spec: &RoadFitSpec) -> Result<FitSamples, St
     } else {
         profile.tracks.clone()
     };
-    let segment = spec.segment_m.unwrap_or(SEGMENT_SHARE * length);
-    let found = spectrum_of_profile(&tracks, step, segment)?;
+    let segment = spec.segment_m.unwrap_or((SEGMENT_SHARE * length).min(MOST_SEGMENT_M));
+    let found = spectrum_of_profile(&tracks, step, segment, PER_OCTAVE)?;
     if tracks.len() > 1 {
         let all = profile.names.join(", ");
         note(

@@ -2,7 +2,7 @@
 
 use super::identify_outcome::Flag;
 use super::road_fit::RoadFitOutcome;
-use super::road_fit_filter::RoadFilter;
+use super::road_fit_filter::{ACCURATE, RoadFilter};
 use super::road_fit_source::FitSource;
 use crate::road::FilterOutput;
 
@@ -15,16 +15,28 @@ pub(super) fn notes(o: &RoadFitOutcome, filter: &RoadFilter) -> Vec<Flag> {
     let mut note = |name: &str, text: String| notes.push(Flag { name: name.to_owned(), text });
     if !o.orders.is_empty() {
         let tried = o.orders.len();
-        let mut text = format!("order {} of 1 to {tried} has the smallest Bayes' criterion", o.order);
-        if let Some(n) = drop(&o.singular_values) {
-            text +=
-                &format!("; the singular values' largest drop is after {n}, as of order {}", n.div_ceil(2));
-        }
-        if o.source == FitSource::Road {
-            text += "; a road is no noisy measurement, and a higher order is nearer to it: choose by the error with --order";
-        } else if o.order == tried {
-            text += "; it is the largest that was tried (--max-order tries more)";
-        }
+        let sharp = drop(&o.singular_values).map_or_else(String::new, |n| {
+            format!(
+                "; the singular values' largest drop is after {n}, where 2n of an exact order n stand out"
+            )
+        });
+        let text = if o.source == FitSource::Road {
+            if o.log10_rms_error < ACCURATE {
+                format!(
+                    "order {} is the lowest that follows the road to a log10 error of {ACCURATE} (--order gives another){sharp}",
+                    o.order
+                )
+            } else {
+                format!(
+                    "order {} of 1 to {tried} follows the road best (--max-order tries more){sharp}",
+                    o.order
+                )
+            }
+        } else {
+            let more =
+                if o.order == tried { ", the largest that was tried (--max-order tries more)" } else { "" };
+            format!("order {} of 1 to {tried} has the smallest Bayes' criterion{more}{sharp}", o.order)
+        };
         note("order-chosen", text);
     }
     if let Some(repair) = &filter.fit.model.repair {
@@ -52,10 +64,11 @@ pub(super) fn notes(o: &RoadFitOutcome, filter: &RoadFilter) -> Vec<Flag> {
         (Some(corner), _) => note(
             "roll-off",
             format!(
-                "the fit of order {} has feedthrough, white noise in the {}: a low-pass at {corner:.4} {} makes it strictly proper, one state more; the fit allows for it, so that it bends nothing within the band (--roll-off moves it, --proper leaves the feedthrough)",
+                "the fit of order {} has feedthrough, white noise in the {}: a low-pass at {corner:.4} {} makes it strictly proper, one state more; the fit allows for it, so that it bends nothing within the band, and beyond it the {} falls (--roll-off moves it, --proper leaves the feedthrough)",
                 o.order,
                 if o.of == FilterOutput::Velocity { "velocity" } else { "height" },
-                o.unit
+                o.unit,
+                if o.of == FilterOutput::Velocity { "velocity" } else { "height" },
             ),
         ),
         (None, FilterOutput::Displacement) if filter.system.d().norm_l2() > 0.0 => {
