@@ -410,13 +410,13 @@ fn wrong_files_are_answered_with_their_line() {
     }
 }
 
-/// f(s) = (s + 2)/(s² + s + 4), over frequency: imaginary from real part, magnitude from phase, phase from magnitude.
+/// f(s) = (s + 2)(s + 5)/(s² + 2s + 4), over frequency: imaginary from real part, magnitude from phase, phase from magnitude.
 #[test]
 fn analytic_functions_come_from_a_part_of_them() {
     let folder = Folder::new("analytic");
     let f = |w: f64| {
         let s = C64::new(0.0, w);
-        (s + 2.0) / (s * s + s + 4.0)
+        (s + 2.0) * (s + 5.0) / (s * s + s * 2.0 + 4.0)
     };
     let omega = grid(0.02, 200.0, 60);
     let run = |column: &str, of: &dyn Fn(C64) -> f64, order: usize| {
@@ -459,7 +459,7 @@ fn analytic_functions_come_from_a_part_of_them() {
     }
     println!("phase from magnitude: {worst_phase:.2e} rad; magnitude from phase: {worst_size:.2e}");
     assert!(worst_phase < 0.01 && worst_size < 0.01, "{worst_phase} {worst_size}");
-    assert_eq!((magnitude.system.as_str(), magnitude.notes[0].name.as_str()), ("ln f", "minimum-phase"));
+    assert!(magnitude.system == "ln f" && magnitude.notes.iter().any(|n| n.name == "minimum-phase"));
     for (text, part) in [
         ("theta_rad,real\n0,1\n4,1\n", ":3: column theta_rad: expected angles from 0 to pi, found 4"),
         (

@@ -1,17 +1,15 @@
 //! A shaping filter that a road can be (strictly proper where it shapes height), and the choice of its order.
 
 use super::FitOrder;
-use crate::linalg::{C64, CMat, Mat};
+use crate::linalg::{C64, CMat, Mat, solve};
 use crate::lti::{Continuous, StateSpace};
 use crate::subspace::{Order, ShapeFit, ShapeSettings, ShapeWeights, SubspaceError, Weights, fit_shape};
 
-/// A feedthrough below this share of the response at the band's upper end is rounding.
+/// A rest of the low-pass below this share of the smallest response in the band is rounding.
 const NEGLIGIBLE: f64 = 1e-8;
 /// Where the low-pass has its corner where nothing is given: half the band's lower end (heights fall over the whole band, as a road's), or
 /// twice its upper end (they fall beyond it), whichever fits better.
 const CORNERS: [f64; 2] = [0.5, 2.0];
-/// Zeros beyond this multiple of the band's upper end come of rounding.
-const FAR: f64 = 1e6;
 /// Relative errors below this are rounding: a higher order can't be better.
 const EXACT: f64 = 1e-8;
 /// A road is followed to this log₁₀ error (rms), where an order is to be chosen.
@@ -91,8 +89,8 @@ pub(super) fn choose(
     }
 }
 
-/// Fits the samples. Where no feedthrough may be and the fit has one, S(1 + ω²/ω_r²) is fitted instead and followed by ω_r/(s + ω_r): the
-/// low-pass bends nothing within the band.
+/// Fits the samples. Where no feedthrough may be, S(1 + ω²/ω_r²) is fitted and followed by ω_r/(s + ω_r): the low-pass bends nothing within the
+/// band, and a spectrum as steep as a road's becomes flat before it is fitted.
 pub(super) fn fit_filter(
     omega: &[f64],
     s: &[CMat],
@@ -101,26 +99,20 @@ pub(super) fn fit_filter(
 ) -> Result<RoadFilter, SubspaceError> {
     let low = omega.iter().copied().find(|w| *w > 0.0).unwrap_or(1.0);
     let high = omega.last().copied().filter(|w| *w > 0.0).unwrap_or(1.0);
-    let plain = match feedthrough {
+    match feedthrough {
         Feedthrough::RollOff(Some(corner)) => return rolled(omega, s, settings, corner, high),
-        _ => fit_shape(omega, s, settings),
-    };
-    if feedthrough == Feedthrough::Keep {
-        let fit = plain?;
-        return of(fit.filter.clone(), fit.zeros.clone(), high, None, fit);
-    }
-    if let Ok(fit) = plain {
-        let size = fit.filter.at(C64::new(0.0, high))?.norm_l2();
-        if fit.filter.d().norm_l2() <= NEGLIGIBLE * size {
-            let g = &fit.filter;
-            let none = Mat::zeros(g.outputs(), g.inputs());
-            let system = StateSpace::continuous(g.a().clone(), g.b().clone(), g.c().clone(), none)?;
-            let zeros = fit.zeros.iter().copied().filter(|z| z.norm() < FAR * high).collect();
-            return of(system, zeros, high, None, fit);
+        Feedthrough::Keep => {
+            let fit = fit_shape(omega, s, settings)?;
+            return of(fit.filter.clone(), fit.zeros.clone(), high, None, fit);
         }
+        Feedthrough::RollOff(None) => {}
     }
     let [below, beyond] = [CORNERS[0] * low, CORNERS[1] * high].map(|c| rolled(omega, s, settings, c, high));
     match (below, beyond) {
+        // without a state for the low-pass, if one can
+        (Ok(a), Ok(b)) if a.roll_off_rad.is_none() != b.roll_off_rad.is_none() => {
+            Ok(if a.roll_off_rad.is_none() { a } else { b })
+        }
         (Ok(a), Ok(b)) => Ok(if a.fit.log10_rms_error <= b.fit.log10_rms_error { a } else { b }),
         (Ok(one), Err(_)) | (Err(_), Ok(one)) => Ok(one),
         (Err(e), Err(_)) => Err(e),
@@ -147,9 +139,39 @@ fn rolled(
     let m = fit.filter.outputs();
     let eye = |v: f64| Mat::from_fn(m, m, |i, j| if i == j { v } else { 0.0 });
     let low_pass = StateSpace::continuous(eye(-corner), eye(corner), eye(1.0), Mat::zeros(m, m))?;
+    let mut zeros = fit.zeros.clone();
+    if let Some(system) = without_low_pass(&fit.filter, omega, corner)? {
+        // the zero that the low-pass's pole meets
+        let off = |z: &C64| (*z + corner).norm();
+        let nearest = (0..zeros.len()).min_by(|a, b| off(&zeros[*a]).total_cmp(&off(&zeros[*b])));
+        nearest.map(|k| zeros.remove(k));
+        return of(system, zeros, high, None, fit);
+    }
     let system = fit.filter.series(&low_pass)?;
-    let zeros = fit.zeros.clone();
     of(system, zeros, high, Some(corner), fit)
+}
+
+/// G(s) c/(s + c) = C(sI − A)⁻¹B′ + c G(−c)/(s + c) with B′ = c(A + cI)⁻¹B: strictly proper without another state where G(−c) is rounding, as it
+/// is where the samples are of a strictly proper filter.
+fn without_low_pass(
+    g: &StateSpace<Continuous>,
+    omega: &[f64],
+    c: f64,
+) -> Result<Option<StateSpace<Continuous>>, SubspaceError> {
+    let n = g.order();
+    let shifted = Mat::from_fn(n, n, |i, j| g.a()[(i, j)] + if i == j { c } else { 0.0 });
+    // a pole at −c itself
+    let Ok(b) = solve(&shifted, g.b()) else { return Ok(None) };
+    let rest = (g.d() - g.c() * &b).norm_l2();
+    let mut least = f64::INFINITY;
+    for w in omega {
+        least = least.min(g.at(C64::new(0.0, *w))?.norm_l2());
+    }
+    if !(rest <= NEGLIGIBLE * least) {
+        return Ok(None);
+    }
+    let none = Mat::zeros(g.outputs(), g.inputs());
+    Ok(Some(StateSpace::continuous(g.a().clone(), b * faer::Scale(c), g.c().clone(), none)?))
 }
 
 /// States scaled, roots sorted, the gain made positive.
