@@ -163,7 +163,6 @@ fn wrong_files_and_failures_have_their_status() {
     let folder = Folder::new("wrong");
     fs::write(folder.0.join("S.csv"), "nu_rad_per_m,psd\n0.1,1\n0.2,-1\n").unwrap();
     folder.wrong("road fit S.csv -o F.toml", &["S.csv:3: column psd", "found -1"]);
-    folder.wrong("road fit case:iso8608-c --weight heavy", &["heavy", "relative2"]);
     folder.wrong("road iri S.csv", &["S.csv:1: expected a column x_m", "nu_rad_per_m, psd"]);
     folder.wrong("road analytic S.csv --order 2", &["S.csv:1", "psd"]);
     // samples that no filter of order 1 has: it ran, and the answer is no

@@ -135,7 +135,7 @@ mod tests {
     fn a_line_is_taken_off_and_wrong_segments_are_refused() {
         let line: Vec<f64> = (0..100).map(|k| 583.0 + 0.1 * f64::from(k)).collect();
         assert!(detrended(&line).iter().all(|y| y.abs() < 1e-11));
-        assert!(spectrum_of_profile(&[line.clone()], 0.1, 20.0, 3.0).is_err());
+        assert!(spectrum_of_profile(std::slice::from_ref(&line), 0.1, 20.0, 3.0).is_err());
         assert!(spectrum_of_profile(&[line], 0.1, 0.3, 3.0).is_err());
     }
 }

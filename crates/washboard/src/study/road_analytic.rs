@@ -143,7 +143,7 @@ pub fn road_analytic(spec: &RoadAnalyticSpec) -> Result<RoadAnalyticRun, StudyEr
         note(
             "folded",
             format!(
-                "{} poles had no mirror image and were folded into the circle: another order may fit better",
+                "poles without a mirror image that were folded into the circle: {}; another order may fit better",
                 model.folded
             ),
         );

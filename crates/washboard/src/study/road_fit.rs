@@ -61,7 +61,7 @@ pub struct RoadFitOutcome {
     pub lambda: f64,
     /// p.
     pub p: usize,
-    /// How noisy the samples were taken to be: `none`, `relative`, `relative2`, `given` or `averages` (of a profile's spectrum).
+    /// How noisy the samples were taken to be: `none`, `relative`, `relative2` or `given` (a column weight).
     pub weight: String,
     /// Corner of the low-pass that makes the filter strictly proper.
     pub roll_off_rad: Option<f64>,
@@ -237,14 +237,11 @@ fn settings(
         Some(n) => Order::Given(n),
         None => Order::Given(1),
     };
-    let (weights, name) = match (spec.weight, &samples.variances, samples.kind) {
-        (Some(FitWeight::None), ..) => (ShapeWeights::Equal, "none"),
-        (Some(FitWeight::Relative), ..) => (ShapeWeights::Relative, "relative"),
-        (None, Some(r), kind) => {
-            let name = if kind == FitSource::Profile { "averages" } else { "given" };
-            (ShapeWeights::Given(Weights::Variances(r.clone())), name)
-        }
-        (Some(FitWeight::Relative2), ..) | (None, None, _) => (ShapeWeights::RelativeSquared, "relative2"),
+    let (weights, name) = match (spec.weight, &samples.variances) {
+        (Some(FitWeight::None), _) => (ShapeWeights::Equal, "none"),
+        (Some(FitWeight::Relative), _) => (ShapeWeights::Relative, "relative"),
+        (None, Some(r)) => (ShapeWeights::Given(Weights::Variances(r.clone())), "given"),
+        (Some(FitWeight::Relative2), _) | (None, None) => (ShapeWeights::RelativeSquared, "relative2"),
     };
     let settings = ShapeSettings {
         order,

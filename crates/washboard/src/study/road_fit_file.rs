@@ -81,7 +81,7 @@ pub(super) fn filter_file(
     // a source's name is a user's: it stays on its line
     let source: String = source.chars().filter(|c| !c.is_control()).collect();
     let head = format!(
-        "# washboard road fit {source}\n# order {}, fitted from {:.4e} to {:.4e} {}: log10 rms error {:.4}; beyond that band it is no more than the filter's own continuation\n",
+        "# washboard road fit {source}\n# order {}, fitted from {:.4e} to {:.4e} {}: log10 rms error {:.1e}; beyond that band it is no more than the filter's own continuation\n",
         outcome.order, outcome.band[0], outcome.band[1], outcome.unit, outcome.log10_rms_error
     );
     Ok((head + &text).into_bytes())

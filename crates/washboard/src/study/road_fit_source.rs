@@ -132,7 +132,7 @@ fn of_road(name: &str, spec: &RoadFitSpec) -> Result<FitSamples, StudyError> {
         Some(band) => band,
         None if least > 0.0 && most.is_finite() => [least, most],
         None => {
-            let expected = format!("the band to fit, LOW,HIGH in {unit}: this road has none of its own");
+            let expected = format!("--band LOW,HIGH in {unit}, as this road has no band of its own");
             return Err(StudyError::Setting { field: "band", expected, found: "none".into() });
         }
     };
@@ -153,7 +153,7 @@ fn of_road(name: &str, spec: &RoadFitSpec) -> Result<FitSamples, StudyError> {
     })
 }
 
-/// Welch's spectrum of a profile in bands of a third of an octave, each as noisy as its averages make it.
+/// Welch's spectrum of a profile in bands of a third of an octave.
 fn of_profile(profile: ProfileFile, spec: &RoadFitSpec) -> Result<FitSamples, StudyError> {
     stray(spec.convention.is_some(), "convention", "none, which belongs to spectra")?;
     stray(spec.of == Some(FilterOutput::Velocity), "of", "displacement: a profile is one of height")?;
@@ -193,23 +193,20 @@ fn of_profile(profile: ProfileFile, spec: &RoadFitSpec) -> Result<FitSamples, St
     note(
         "profile-spectrum",
         format!(
-            "{} bands of a third of an octave from segments of {segment:.4} m; the longest wave is {:.4} m",
+            "{} bands of a third of an octave from segments of {segment:.1} m; the longest wave is {:.1} m",
             found.s.len(),
             std::f64::consts::TAU / found.nu_rad_per_m.first().copied().unwrap_or(f64::NAN)
         ),
     );
     let high = if uneven { std::f64::consts::TAU / (4.0 * most) } else { f64::INFINITY };
     let kept: Vec<usize> = (0..found.s.len()).filter(|k| found.nu_rad_per_m[*k] <= high).collect();
-    let tracks_count = tracks.len() as f64;
     Ok(FitSamples {
         kind: FitSource::Profile,
         variable: FilterVariable::Distance,
         of: FilterOutput::Displacement,
         omega: kept.iter().map(|k| found.nu_rad_per_m[*k]).collect(),
         s: kept.iter().map(|k| one(found.s[*k])).collect(),
-        variances: Some(
-            kept.iter().map(|k| found.s[*k].powi(2) / (found.averages[*k] * tracks_count)).collect(),
-        ),
+        variances: None,
         coherence: None,
         notes,
         inputs: vec![profile.table.input],

@@ -6,6 +6,8 @@ use super::road_fit_filter::{ACCURATE, RoadFilter};
 use super::road_fit_source::FitSource;
 use crate::road::FilterOutput;
 
+/// Singular values that fall by more than this at once tell signal from noise.
+const SHARP: f64 = 100.0;
 /// A fit further off than this (log₁₀, rms) is called rough.
 const ROUGH: f64 = 0.1;
 
@@ -44,7 +46,7 @@ pub(super) fn notes(o: &RoadFitOutcome, filter: &RoadFilter) -> Vec<Flag> {
         note(
             "positivity-repaired",
             format!(
-                "the fit fell below zero (lowest near {at:.4} {}) and was lifted by least squares under constraints, in {} rounds; its misfit grew by a factor {:.3}",
+                "the fit fell below zero (lowest near {at:.4} {}) and was lifted by least squares under constraints, in {} round(s); its misfit grew by a factor {:.3}",
                 o.unit,
                 repair.rounds,
                 repair.misfit[1] / repair.misfit[0]
@@ -55,8 +57,9 @@ pub(super) fn notes(o: &RoadFitOutcome, filter: &RoadFilter) -> Vec<Flag> {
         note(
             "folded",
             format!(
-                "{} poles had no mirror image and were folded into the stable half plane: another order may fit better",
-                o.folded
+                "{} had no mirror image and {} folded into the stable half plane: another order may fit better",
+                if o.folded == 1 { "one pole".to_owned() } else { format!("{} poles", o.folded) },
+                if o.folded == 1 { "was" } else { "were" },
             ),
         );
     }
@@ -100,9 +103,9 @@ pub(super) fn notes(o: &RoadFitOutcome, filter: &RoadFilter) -> Vec<Flag> {
     notes
 }
 
-/// After how many singular values the next one falls by the largest factor.
+/// After how many singular values the next one falls by the largest factor, where that is a drop indeed.
 fn drop(values: &[f64]) -> Option<usize> {
     let largest = values.first().copied()?;
     let ratio = |k: usize| values[k - 1] / values[k].max(1e-14 * largest);
-    (1..values.len()).max_by(|a, b| ratio(*a).total_cmp(&ratio(*b)))
+    (1..values.len()).max_by(|a, b| ratio(*a).total_cmp(&ratio(*b))).filter(|k| ratio(*k) > SHARP)
 }

@@ -114,7 +114,7 @@ pub fn road_profile(spec: &RoadProfileSpec) -> Result<RoadProfileRun, StudyError
     if low < PI / length_m {
         note(
             "no-long-waves",
-            format!("waves longer than about twice the length, {:.4} m, are absent", 2.0 * length_m),
+            format!("waves longer than about twice the length, {:.1} m, are absent", 2.0 * length_m),
         );
     }
     let outcome = RoadProfileOutcome {
