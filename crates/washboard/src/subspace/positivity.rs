@@ -6,10 +6,13 @@ use super::summand::{LeastSquares, Summand};
 use crate::linalg::{C64, CMat, LinalgError, Mat, RealSchur};
 use std::f64::consts::PI;
 
-/// Repaired spectra stay above this share of the smallest positive sample.
+/// Repaired spectra stay above this share of the smallest positive sample between the samples.
 const FLOOR: f64 = 1e-2;
-/// Where the smallest sample is zero: this share of the largest.
-const LEAST_FLOOR: f64 = 1e-12;
+/// The same beyond the samples, the first with which a factor is found: a spectrum that falls to zero at infinite frequency
+/// touches zero at π, and should not be lifted there by more than double precision asks for.
+pub(super) const FLOORS_BEYOND: [f64; 4] = [1e-9, 1e-7, 1e-5, 1e-3];
+/// Floors are no lower than this share of the largest sample: what double precision keeps of a factor.
+const LEAST_FLOOR: f64 = 1e-13;
 /// Rounds of cutting planes.
 const ROUNDS: usize = 60;
 /// Angles of the even grid on which minima are looked for.
@@ -68,19 +71,21 @@ fn hermitian_least(s: &CMat) -> Result<(f64, Vec<C64>), LinalgError> {
     Ok((eigen.S()[0].re, (0..m).map(|i| eigen.U()[(i, 0)]).collect()))
 }
 
-/// Local minima of λ_min below `floor`, refined: angle and value.
-fn minima(s: &Summand, angles: &[f64], floor: f64) -> Result<Vec<(f64, f64)>, LinalgError> {
+/// Local minima of λ_min below a floor, refined: angle and value.
+fn minima(s: &Summand, angles: &[f64], floor: &dyn Fn(f64) -> f64) -> Result<Vec<(f64, f64)>, LinalgError> {
     let values = angles.iter().map(|t| least(s, *t)).collect::<Result<Vec<_>, _>>()?;
     let last = angles.len() - 1;
     let mut found = Vec::new();
     for k in 0..=last {
         let (before, after) = (k.saturating_sub(1), (k + 1).min(last));
-        if values[k] > values[before] || values[k] > values[after] || values[k] > 10.0 * floor {
+        let rise = (values[before] - values[k]).abs().max((values[after] - values[k]).abs());
+        // between two angles it may fall by about what it rises on either side
+        if values[k] > values[before] || values[k] > values[after] || values[k] > floor(angles[k]) + rise {
             continue;
         }
         let (theta, value) = golden(s, angles[before], angles[after])?;
         let best = if value < values[k] { (theta, value) } else { (angles[k], values[k]) };
-        if best.1 < floor {
+        if best.1 < floor(best.0) {
             found.push(best);
         }
     }
@@ -112,33 +117,40 @@ pub(super) fn lifted(
     samples: &Samples,
     fit: &LeastSquares,
     first: Summand,
+    floor_beyond: f64,
 ) -> Result<(Summand, Option<Repair>), SubspaceError> {
     let sizes = samples.s().iter().map(|s| hermitian_least(s).map(|v| v.0)).collect::<Result<Vec<_>, _>>()?;
     let largest = samples.s().iter().map(|s| s.norm_max()).fold(0.0, f64::max);
     let smallest = sizes.iter().copied().filter(|v| *v > 0.0).fold(f64::INFINITY, f64::min);
-    let floor = (FLOOR * smallest).clamp(LEAST_FLOOR * largest, FLOOR * largest);
+    let band = [samples.theta_rad()[0], samples.theta_rad()[samples.count() - 1]];
+    let share = |theta: f64| if (band[0]..=band[1]).contains(&theta) { FLOOR } else { floor_beyond };
+    let floor = |theta: f64| (share(theta) * smallest).max(LEAST_FLOOR * largest);
     let angles = angles(samples, &first.a)?;
-    let mut below = minima(&first, &angles, 0.0)?;
+    let touches = 0.1 * floor_beyond;
+    let mut below = minima(&first, &angles, &|_| (touches * smallest).max(0.1 * LEAST_FLOOR * largest))?;
     if below.is_empty() {
         return Ok((first, None));
     }
     let worst =
         |below: &[(f64, f64)]| below.iter().copied().min_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or((0.0, 0.0));
     let (theta_rad, least_before) = worst(&below);
-    let (mut rows, mut s): (Vec<Vec<f64>>, Summand) = (Vec::new(), first);
+    let (mut rows, mut aims, mut s): (Vec<Vec<f64>>, Vec<f64>, Summand) = (Vec::new(), Vec::new(), first);
     for rounds in 1..=ROUNDS {
         for (theta, _) in &below {
             let (_, v) = hermitian_least(&s.at(*theta)?)?;
             rows.push(fit.row(*theta, &v)?);
+            // a little above the floor, so that a finite number of rounds ends there
+            aims.push(1.5 * floor(*theta));
         }
-        // aim a little above the floor, so that a finite number of rounds ends there
-        let aims = vec![1.5 * floor; rows.len()];
         let change = fit.constrained(&rows, &aims)?;
         s = fit.summand(&change);
-        below = minima(&s, &angles, floor)?;
+        below = minima(&s, &angles, &floor)?;
         if below.is_empty() {
             let misfit = [fit.misfit(None), fit.misfit(Some(&change))];
-            return Ok((s, Some(Repair { least_before, theta_rad, floor, rounds, misfit })));
+            return Ok((
+                s,
+                Some(Repair { least_before, theta_rad, floor: floor(theta_rad), rounds, misfit }),
+            ));
         }
     }
     let (theta_rad, least) = worst(&below);
