@@ -156,3 +156,81 @@ pub(super) fn lifted(
     let (theta_rad, least) = worst(&below);
     Err(SubspaceError::NotPositive { order: s.a.nrows(), least, theta_rad, rounds: ROUNDS })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::range::Range;
+    use super::super::samples::Weights;
+    use super::super::spectrum::Unpaired;
+    use super::super::summand::{Parity, poles};
+    use super::*;
+    use rand::{Rng, SeedableRng};
+    use rand_chacha::ChaCha8Rng;
+
+    /// Noisy samples of |1 + z|² on one channel, and of the same turned into two.
+    fn noisy(m: usize, seed: u64) -> Samples {
+        let mut rng = ChaCha8Rng::seed_from_u64(seed);
+        let theta: Vec<f64> = (0..150).map(|k| PI * (f64::from(k) + 0.5) / 150.0).collect();
+        let s = theta
+            .iter()
+            .map(|t| {
+                let mut noise = || 0.15 * rng.random_range(-1.0..1.0);
+                let (one, two) = (2.0 + 2.0 * t.cos() + noise(), 3.0 + noise());
+                let turn = 0.6f64;
+                let (c, d) = (turn.cos(), turn.sin());
+                let full = [
+                    [c * c * one + d * d * two, c * d * (one - two)],
+                    [c * d * (one - two), d * d * one + c * c * two],
+                ];
+                CMat::from_fn(m, m, |i, j| C64::new(if m == 1 { one } else { full[i][j] }, 0.0))
+            })
+            .collect();
+        Samples::of_any_sign(theta, s, Weights::Equal).unwrap()
+    }
+
+    fn fitted(samples: &Samples) -> LeastSquares {
+        let p = 12;
+        let range = Range::of(samples, p, Some(1), false).unwrap();
+        let (a, c, folded) = poles(&range, p, 1, Unpaired::Fold).unwrap();
+        LeastSquares::of(samples, Parity::Even, a, c, folded).unwrap()
+    }
+
+    /// The cutting planes' optimum against one solve with a constraint at every angle of a fine grid.
+    #[test]
+    fn few_constraints_are_as_good_as_all() {
+        let mut lifted_ones = 0;
+        for seed in 0..12 {
+            let samples = noisy(1, seed);
+            let fit = fitted(&samples);
+            let (s, repair) = lifted(&samples, &fit, fit.best(), FLOORS_BEYOND[0]).unwrap();
+            let Some(repair) = repair else { continue };
+            lifted_ones += 1;
+            let grid: Vec<f64> = (0..=800).map(|k| PI * f64::from(k) / 800.0).collect();
+            assert!(grid.iter().all(|t| least(&s, *t).unwrap() > 0.0), "{seed}");
+            let one = [C64::new(1.0, 0.0)];
+            let rows: Vec<Vec<f64>> = grid.iter().map(|t| fit.row(*t, &one).unwrap()).collect();
+            let all = fit.constrained(&rows, &vec![0.0; rows.len()]).unwrap();
+            let best = fit.misfit(Some(&all));
+            // the floor costs a little, the grid's gaps save a little
+            assert!((repair.misfit[1] / best - 1.0).abs() < 3e-4, "{seed}: {repair:?} {best}");
+            assert!(repair.misfit[0] <= repair.misfit[1]);
+        }
+        assert!(lifted_ones >= 3, "{lifted_ones}");
+    }
+
+    #[test]
+    fn matrices_are_lifted_along_their_smallest_direction() {
+        let mut lifted_ones = 0;
+        for seed in 0..12 {
+            let samples = noisy(2, seed);
+            let fit = fitted(&samples);
+            let (s, repair) = lifted(&samples, &fit, fit.best(), FLOORS_BEYOND[0]).unwrap();
+            lifted_ones += usize::from(repair.is_some());
+            for k in 0..=800 {
+                let value = least(&s, PI * f64::from(k) / 800.0).unwrap();
+                assert!(value > 0.0, "{seed}: {value:e}");
+            }
+        }
+        assert!(lifted_ones >= 3, "{lifted_ones}");
+    }
+}
