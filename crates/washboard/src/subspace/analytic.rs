@@ -90,7 +90,9 @@ pub fn fit_analytic(
     let (a, c, folded) = poles(&range, p, n, settings.unpaired)?;
     let fitted = LeastSquares::of(&samples, parity, a, c, folded)?;
     let (s, repair) = match part {
-        Part::PositiveReal => positivity::lifted(&samples, &fitted, fitted.best())?,
+        Part::PositiveReal => {
+            positivity::lifted(&samples, &fitted, fitted.best(), positivity::FLOORS_BEYOND[0])?
+        }
         Part::Real | Part::Imaginary => (fitted.best(), None),
     };
     let misfit = repair.map_or(fitted.misfit(None), |r| r.misfit[1]);

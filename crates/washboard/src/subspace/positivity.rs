@@ -6,10 +6,13 @@ use super::summand::{LeastSquares, Summand};
 use crate::linalg::{C64, CMat, LinalgError, Mat, RealSchur};
 use std::f64::consts::PI;
 
-/// Repaired spectra stay above this share of the smallest positive sample.
+/// Repaired spectra stay above this share of the smallest positive sample between the samples.
 const FLOOR: f64 = 1e-2;
-/// Where the smallest sample is zero: this share of the largest.
-const LEAST_FLOOR: f64 = 1e-12;
+/// The same beyond the samples, the first with which a factor is found: a spectrum that falls to zero at infinite frequency
+/// touches zero at π, and should not be lifted there by more than double precision asks for.
+pub(super) const FLOORS_BEYOND: [f64; 4] = [1e-9, 1e-7, 1e-5, 1e-3];
+/// Floors are no lower than this share of the largest sample: what double precision keeps of a factor.
+const LEAST_FLOOR: f64 = 1e-13;
 /// Rounds of cutting planes.
 const ROUNDS: usize = 60;
 /// Angles of the even grid on which minima are looked for.
@@ -68,19 +71,21 @@ fn hermitian_least(s: &CMat) -> Result<(f64, Vec<C64>), LinalgError> {
     Ok((eigen.S()[0].re, (0..m).map(|i| eigen.U()[(i, 0)]).collect()))
 }
 
-/// Local minima of λ_min below `floor`, refined: angle and value.
-fn minima(s: &Summand, angles: &[f64], floor: f64) -> Result<Vec<(f64, f64)>, LinalgError> {
+/// Local minima of λ_min below a floor, refined: angle and value.
+fn minima(s: &Summand, angles: &[f64], floor: &dyn Fn(f64) -> f64) -> Result<Vec<(f64, f64)>, LinalgError> {
     let values = angles.iter().map(|t| least(s, *t)).collect::<Result<Vec<_>, _>>()?;
     let last = angles.len() - 1;
     let mut found = Vec::new();
     for k in 0..=last {
         let (before, after) = (k.saturating_sub(1), (k + 1).min(last));
-        if values[k] > values[before] || values[k] > values[after] || values[k] > 10.0 * floor {
+        let rise = (values[before] - values[k]).abs().max((values[after] - values[k]).abs());
+        // between two angles it may fall by about what it rises on either side
+        if values[k] > values[before] || values[k] > values[after] || values[k] > floor(angles[k]) + rise {
             continue;
         }
         let (theta, value) = golden(s, angles[before], angles[after])?;
         let best = if value < values[k] { (theta, value) } else { (angles[k], values[k]) };
-        if best.1 < floor {
+        if best.1 < floor(best.0) {
             found.push(best);
         }
     }
@@ -112,35 +117,120 @@ pub(super) fn lifted(
     samples: &Samples,
     fit: &LeastSquares,
     first: Summand,
+    floor_beyond: f64,
 ) -> Result<(Summand, Option<Repair>), SubspaceError> {
     let sizes = samples.s().iter().map(|s| hermitian_least(s).map(|v| v.0)).collect::<Result<Vec<_>, _>>()?;
     let largest = samples.s().iter().map(|s| s.norm_max()).fold(0.0, f64::max);
     let smallest = sizes.iter().copied().filter(|v| *v > 0.0).fold(f64::INFINITY, f64::min);
-    let floor = (FLOOR * smallest).clamp(LEAST_FLOOR * largest, FLOOR * largest);
+    let band = [samples.theta_rad()[0], samples.theta_rad()[samples.count() - 1]];
+    let share = |theta: f64| if (band[0]..=band[1]).contains(&theta) { FLOOR } else { floor_beyond };
+    let floor = |theta: f64| (share(theta) * smallest).max(LEAST_FLOOR * largest);
     let angles = angles(samples, &first.a)?;
-    let mut below = minima(&first, &angles, 0.0)?;
+    let touches = 0.1 * floor_beyond;
+    let mut below = minima(&first, &angles, &|_| (touches * smallest).max(0.1 * LEAST_FLOOR * largest))?;
     if below.is_empty() {
         return Ok((first, None));
     }
     let worst =
         |below: &[(f64, f64)]| below.iter().copied().min_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or((0.0, 0.0));
     let (theta_rad, least_before) = worst(&below);
-    let (mut rows, mut s): (Vec<Vec<f64>>, Summand) = (Vec::new(), first);
+    let (mut rows, mut aims, mut s): (Vec<Vec<f64>>, Vec<f64>, Summand) = (Vec::new(), Vec::new(), first);
     for rounds in 1..=ROUNDS {
         for (theta, _) in &below {
             let (_, v) = hermitian_least(&s.at(*theta)?)?;
             rows.push(fit.row(*theta, &v)?);
+            // a little above the floor, so that a finite number of rounds ends there
+            aims.push(1.5 * floor(*theta));
         }
-        // aim a little above the floor, so that a finite number of rounds ends there
-        let aims = vec![1.5 * floor; rows.len()];
         let change = fit.constrained(&rows, &aims)?;
         s = fit.summand(&change);
-        below = minima(&s, &angles, floor)?;
+        below = minima(&s, &angles, &floor)?;
         if below.is_empty() {
             let misfit = [fit.misfit(None), fit.misfit(Some(&change))];
-            return Ok((s, Some(Repair { least_before, theta_rad, floor, rounds, misfit })));
+            return Ok((
+                s,
+                Some(Repair { least_before, theta_rad, floor: floor(theta_rad), rounds, misfit }),
+            ));
         }
     }
     let (theta_rad, least) = worst(&below);
     Err(SubspaceError::NotPositive { order: s.a.nrows(), least, theta_rad, rounds: ROUNDS })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::range::Range;
+    use super::super::samples::Weights;
+    use super::super::spectrum::Unpaired;
+    use super::super::summand::{Parity, poles};
+    use super::*;
+    use rand::{Rng, SeedableRng};
+    use rand_chacha::ChaCha8Rng;
+
+    /// Noisy samples of |1 + z|² on one channel, and of the same turned into two.
+    fn noisy(m: usize, seed: u64) -> Samples {
+        let mut rng = ChaCha8Rng::seed_from_u64(seed);
+        let theta: Vec<f64> = (0..150).map(|k| PI * (f64::from(k) + 0.5) / 150.0).collect();
+        let s = theta
+            .iter()
+            .map(|t| {
+                let mut noise = || 0.15 * rng.random_range(-1.0..1.0);
+                let (one, two) = (2.0 + 2.0 * t.cos() + noise(), 3.0 + noise());
+                let turn = 0.6f64;
+                let (c, d) = (turn.cos(), turn.sin());
+                let full = [
+                    [c * c * one + d * d * two, c * d * (one - two)],
+                    [c * d * (one - two), d * d * one + c * c * two],
+                ];
+                CMat::from_fn(m, m, |i, j| C64::new(if m == 1 { one } else { full[i][j] }, 0.0))
+            })
+            .collect();
+        Samples::of_any_sign(theta, s, Weights::Equal).unwrap()
+    }
+
+    fn fitted(samples: &Samples) -> LeastSquares {
+        let p = 12;
+        let range = Range::of(samples, p, Some(1), false).unwrap();
+        let (a, c, folded) = poles(&range, p, 1, Unpaired::Fold).unwrap();
+        LeastSquares::of(samples, Parity::Even, a, c, folded).unwrap()
+    }
+
+    /// The cutting planes' optimum against one solve with a constraint at every angle of a fine grid.
+    #[test]
+    fn few_constraints_are_as_good_as_all() {
+        let mut lifted_ones = 0;
+        for seed in 0..12 {
+            let samples = noisy(1, seed);
+            let fit = fitted(&samples);
+            let (s, repair) = lifted(&samples, &fit, fit.best(), FLOORS_BEYOND[0]).unwrap();
+            let Some(repair) = repair else { continue };
+            lifted_ones += 1;
+            let grid: Vec<f64> = (0..=800).map(|k| PI * f64::from(k) / 800.0).collect();
+            assert!(grid.iter().all(|t| least(&s, *t).unwrap() > 0.0), "{seed}");
+            let one = [C64::new(1.0, 0.0)];
+            let rows: Vec<Vec<f64>> = grid.iter().map(|t| fit.row(*t, &one).unwrap()).collect();
+            let all = fit.constrained(&rows, &vec![0.0; rows.len()]).unwrap();
+            let best = fit.misfit(Some(&all));
+            // the floor costs a little, the grid's gaps save a little
+            assert!((repair.misfit[1] / best - 1.0).abs() < 3e-4, "{seed}: {repair:?} {best}");
+            assert!(repair.misfit[0] <= repair.misfit[1]);
+        }
+        assert!(lifted_ones >= 3, "{lifted_ones}");
+    }
+
+    #[test]
+    fn matrices_are_lifted_along_their_smallest_direction() {
+        let mut lifted_ones = 0;
+        for seed in 0..12 {
+            let samples = noisy(2, seed);
+            let fit = fitted(&samples);
+            let (s, repair) = lifted(&samples, &fit, fit.best(), FLOORS_BEYOND[0]).unwrap();
+            lifted_ones += usize::from(repair.is_some());
+            for k in 0..=800 {
+                let value = least(&s, PI * f64::from(k) / 800.0).unwrap();
+                assert!(value > 0.0, "{seed}: {value:e}");
+            }
+        }
+        assert!(lifted_ones >= 3, "{lifted_ones}");
+    }
 }

@@ -140,10 +140,22 @@ pub fn fit_spectrum(samples: &Samples, settings: &SpectrumSettings) -> Result<Sp
             (n, fitted)
         }
     };
-    let free = fitted.best();
-    let (summand, repair) = positivity::lifted(samples, &fitted, free)?;
-    let angles = positivity::angles(samples, &summand.a)?;
-    let factor = spectral_factor(&summand, settings.dt_s, &angles)?;
+    let angles = positivity::angles(samples, &fitted.best().a)?;
+    let mut last = None;
+    let mut found = None;
+    for floor in positivity::FLOORS_BEYOND {
+        let (summand, repair) = positivity::lifted(samples, &fitted, fitted.best(), floor)?;
+        match spectral_factor(&summand, settings.dt_s, &angles) {
+            Ok(factor) => {
+                found = Some((summand, repair, factor));
+                break;
+            }
+            Err(e) => last = Some(e),
+        }
+    }
+    let Some((summand, repair, factor)) = found else {
+        return Err(last.unwrap_or(SubspaceError::NoSplit { order, inside: 0 }));
+    };
     let Range { singular_values, route, .. } = range;
     Ok(SpectrumModel { order, summand, factor, singular_values, route, orders, repair })
 }

@@ -8,12 +8,10 @@ use crate::lti::{GeneralizedPlant, LtiError, StateSpace};
 /// The infimum of ‖T_zw‖₂², split as the closed form has it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct H2Limit {
-    /// inf ‖T_zw‖₂: the sum of the three terms, its root.
+    /// inf ‖T_zw‖₂: the root of the two terms' sum.
     pub h2: f64,
-    /// ‖Π N⊥~F‖₂², the part that is stable and orthogonal to what controls reach.
-    pub orthogonal_stable: f64,
-    /// ‖Π⊥ N⊥~F‖₂².
-    pub orthogonal_unstable: f64,
+    /// ‖N⊥~F‖₂² = ‖F‖₂² − ‖Hᵢ~F‖₂², both projections of it: what is orthogonal to all that controls reach.
+    pub orthogonal: f64,
     /// ‖Π⊥ Hᵢ~F‖₂²: what no causal controller cancels.
     pub anticipated: f64,
 }
@@ -38,9 +36,10 @@ pub fn full_information(plant: &GeneralizedPlant) -> Result<(f64, Regulator), Sy
 /// inf over stable Q of ‖F − H Q‖₂ with F = (A, B₁, C₁, 0) and H = (A, B₂, C₁, D₁₂), by an inner-outer factorisation
 /// H = Hᵢ H_o and the complementary inner factor N⊥, [Hᵢ N⊥] square and inner:
 ///
-/// ‖Π N⊥~F‖₂² + ‖Π⊥ N⊥~F‖₂² + ‖Π⊥ Hᵢ~F‖₂²,
+/// ‖Π N⊥~F‖₂² + ‖Π⊥ N⊥~F‖₂² + ‖Π⊥ Hᵢ~F‖₂² = ‖F‖₂² − ‖Π Hᵢ~F‖₂²,
 ///
-/// Π the projection onto what is stable. A must be stable.
+/// Π the projection onto what is stable; the right side needs no N⊥, whose Gramian is singular where delays are many. A must
+/// be stable.
 ///
 /// # Errors
 /// A plant that is not stable, D₁₁ that is not zero; a D₁₂ without full column rank; a zero of H on the axis.
@@ -55,7 +54,7 @@ pub fn h2_limit(plant: &GeneralizedPlant) -> Result<H2Limit, SynthesisError> {
     let balanced = plant.system().balanced_scales()?.0;
     let plant = GeneralizedPlant::new(balanced, plant.signals().clone())?;
     let (a, b1, b2, c1, d12) = (plant.a(), plant.b1(), plant.b2(), plant.c1(), plant.d12());
-    let (m, p) = (plant.nu(), plant.nz());
+    let m = plant.nu();
     // H = Hᵢ H_o: Hᵢ = (A + B₂F, B₂R^-½, C₁ + D₁₂F, D₁₂R^-½), R = D₁₂ᵀD₁₂ = UᵀU
     let (_, regulator) = full_information(&plant)?;
     let f = &regulator.gain;
@@ -64,42 +63,17 @@ pub fn h2_limit(plant: &GeneralizedPlant) -> Result<H2Limit, SynthesisError> {
     let over = solve(&upper, &Mat::identity(m, m))?;
     let (ai, ci) = (a + &b2 * f, &c1 + &d12 * f);
     let bi = &b2 * &over;
-    // N⊥ = (Aᵢ, −Y⁻¹CᵢᵀD⊥, Cᵢ, D⊥) with AᵢᵀY + YAᵢ + CᵢᵀCᵢ = 0; only N⊥~F is needed, which Y⁻¹ leaves by Y x
-    let whole = qr.compute_Q();
-    let d_perp = whole.subcols(m, p - m).to_owned();
     // M~F for M = (Aᵢ, B, Cᵢ, D) is (DᵀC₁ + BᵀZ)(sI − A)⁻¹B₁ + Bᵀ(−sI − Aᵢᵀ)⁻¹Z B₁ with AᵢᵀZ + Z A + CᵢᵀC₁ = 0
     let z = sylvester(&ai.transpose().to_owned(), a, &-(ci.transpose() * &c1))?.x;
     // the antistable part's square is tr(Bᵀ P B) with AᵢᵀP + P Aᵢ + Z B₁B₁ᵀZᵀ = 0
     let driven = &z * &b1;
     let p_anti = lyapunov(&ai.transpose().to_owned(), &symmetric(&(&driven * driven.transpose())))?.x;
     let anticipated = trace(&(bi.transpose() * &p_anti * &bi)).max(0.0);
-    let gramian = symmetric(&lyapunov(&ai.transpose().to_owned(), &symmetric(&(ci.transpose() * &ci)))?.x);
-    let b_perp = complement(&gramian, &(ci.transpose() * &d_perp))?;
-    let orthogonal_unstable = trace(&(b_perp.transpose() * &p_anti * &b_perp)).max(0.0);
-    let stable = StateSpace::continuous(
-        a.clone(),
-        b1.clone(),
-        d_perp.transpose() * &c1 + b_perp.transpose() * &z,
-        Mat::zeros(p - m, plant.nw()),
-    )?;
-    let orthogonal_stable = stable.h2_norm()?.powi(2);
-    let h2 = (orthogonal_stable + orthogonal_unstable + anticipated).sqrt();
-    Ok(H2Limit { h2, orthogonal_stable, orthogonal_unstable, anticipated })
-}
-
-/// −Y⁻¹G for an observability Gramian that may be singular: in what is observable.
-fn complement(y: &Mat, g: &Mat) -> Result<Mat, SynthesisError> {
-    /// Eigenvalues of Y below this share of the largest are unobservable states': G is zero there.
-    const OBSERVABLE: f64 = 1e-13;
-    let order = y.nrows();
-    let e = y.self_adjoint_eigen(faer::Side::Lower).map_err(|_| {
-        crate::linalg::LinalgError::NoConvergence { what: "the symmetric QR algorithm", order }
-    })?;
-    let (u, values) = (e.U(), e.S());
-    let largest = (0..order).map(|i| values[i]).fold(0.0, f64::max);
-    let turned = u.transpose() * g;
-    let scaled = Mat::from_fn(order, g.ncols(), |i, j| {
-        if values[i] > OBSERVABLE * largest { -turned[(i, j)] / values[i] } else { 0.0 }
-    });
-    Ok(u * scaled)
+    // the stable part is what a causal controller cancels
+    let inner = bi.transpose() * &z + (&d12 * &over).transpose() * &c1;
+    let cancelled = StateSpace::continuous(a.clone(), b1.clone(), inner, Mat::zeros(m, plant.nw()))?;
+    let cancelled = cancelled.h2_norm()?.powi(2);
+    let orthogonal = (plant.passive().h2_norm()?.powi(2) - cancelled - anticipated).max(0.0);
+    let h2 = (orthogonal + anticipated).sqrt();
+    Ok(H2Limit { h2, orthogonal, anticipated })
 }

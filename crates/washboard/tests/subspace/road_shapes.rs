@@ -5,6 +5,7 @@ use washboard::linalg::{C64, CMat, Mat};
 use washboard::lti::StateSpace;
 use washboard::road::Spectrum;
 use washboard::subspace::{Order, ShapeSettings, ShapeWeights, Unpaired, fit_shape};
+use washboard::units::Convention;
 
 fn log_grid(from: f64, to: f64, count: usize) -> Vec<f64> {
     (0..count).map(|k| from * (to / from).powf(k as f64 / (count - 1) as f64)).collect()

@@ -76,3 +76,37 @@ fn errors_are_those_of_the_notes() {
         assert!(found[1] > sup[0] - 0.3 && found[1] < sup[1] + 0.3, "{found:?}");
     }
 }
+
+/// Strong consistency, seen: errors fall as N^−½ where p stays.
+#[test]
+fn errors_fall_with_the_root_of_the_number_of_samples() {
+    let g = example();
+    let mut errors = Vec::new();
+    for count in [250u32, 1000, 4000] {
+        let mut mean = 0.0;
+        for run in 0..12 {
+            let mut rng = ChaCha8Rng::seed_from_u64(u64::from(count) + run);
+            let step = PI / f64::from(count);
+            let theta: Vec<f64> =
+                (0..count).map(|k| step * (f64::from(k) + rng.random_range(0.0..1.0))).collect();
+            let s: Vec<f64> = theta
+                .iter()
+                .map(|t| spectrum(&g, *t)[(0, 0)].re * (1.0 + 0.05 * rng.sample::<f64, _>(StandardNormal)))
+                .collect();
+            let variances = theta.iter().map(|t| spectrum(&g, *t)[(0, 0)].re.powi(2)).collect();
+            let samples = Samples::scalar(theta.clone(), &s, Weights::Variances(variances)).unwrap();
+            let model = fit_spectrum(&samples, &SpectrumSettings::new(4, 20)).unwrap();
+            let square = |t: &f64| {
+                let known = spectrum(&g, *t)[(0, 0)].re;
+                (model.summand.at(*t).unwrap()[(0, 0)].re / known - 1.0).powi(2)
+            };
+            mean += (theta.iter().map(square).sum::<f64>() / f64::from(count)).sqrt() / 12.0;
+        }
+        errors.push(mean);
+    }
+    println!("relative errors at N = 250, 1000, 4000: {errors:?}");
+    // a factor of 2 each, within what 12 runs leave
+    for pair in errors.windows(2) {
+        assert!((1.6..2.5).contains(&(pair[0] / pair[1])), "{errors:?}");
+    }
+}

@@ -154,3 +154,26 @@ fn a_cabin_may_be_held_in_pitch_alone() {
     assert!(found[1] < 0.2 * passive[1], "{found:?} {passive:?}");
     assert!((found[2] / passive[2] - 1.0).abs() < 1e-6, "{found:?} {passive:?}");
 }
+
+/// Delays of high order beside 34 states: the inner factor's complement would lose all digits.
+#[test]
+fn the_cabins_limit_has_two_routes_at_every_delay_order() {
+    let cabin = cases::vehicle("turkay-truck-cabin").unwrap();
+    let road = cabin_road().with_coherence(Coherence::Full);
+    let z = ["heave_acceleration", "suspension_travel"];
+    let mut first = None;
+    for order in [4, 12, 20] {
+        let p = plant(&cabin, &road, &z, &["suspension_travel"], order);
+        let weights = LqgWeights {
+            sensor_noise: vec![0.0; p.ny()],
+            input_weight: vec![1e-8; p.nu()],
+            ..LqgWeights::default()
+        };
+        let p = washboard::synthesis::lqg_plant(&p, &weights).unwrap();
+        let (riccati, _) = full_information(&p).unwrap();
+        let closed = h2_limit(&p).unwrap().h2;
+        assert!((closed / riccati - 1.0).abs() < 1e-9, "order {order}: {closed} {riccati}");
+        let known = *first.get_or_insert(riccati);
+        assert!((riccati / known - 1.0).abs() < 1e-3, "order {order}: {riccati} {known}");
+    }
+}
