@@ -1,6 +1,6 @@
 //! Roads from data: spectra and profiles from files, shaping filters of them, the roughness index of real profiles.
 
-#![allow(clippy::unwrap_used)]
+#![allow(clippy::unwrap_used, clippy::print_stdout)]
 
 use std::f64::consts::{PI, TAU};
 use std::fmt::Write;
