@@ -4,6 +4,9 @@
 
 mod analytic;
 mod exact;
+mod interpolation_example;
+mod interpolation_random;
+mod poles_and_residues;
 mod systems;
 mod thesis_example;
 mod wrong_samples;
