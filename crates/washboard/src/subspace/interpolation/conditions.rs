@@ -1,6 +1,6 @@
 //! Nodes as conditions on Taylor coefficients in the plane of work: left · G(w₀ + τ) · right = Σ g_l τ^l.
 
-use super::data::{Node, Point, Side, conjugate};
+use super::data::{Node, Point, Side, conjugate, largest};
 use super::plane::Mobius;
 use crate::linalg::{C64, CMat};
 
@@ -88,6 +88,17 @@ fn condition(map: Mobius, node: &Node, (p, m): (usize, usize)) -> Option<Conditi
         }
     };
     let real = straight && w.im == 0.0;
-    let weights = vec![1.0; series.len()];
+    let weights = weights(&series);
     Some(Condition { w, left, right, series, real, weights, whole })
+}
+
+/// ρ^l, ρ ≤ 1, so that no coefficient weighs more than the value: derivatives near a pole would drown the rest.
+fn weights(series: &[CMat]) -> Vec<f64> {
+    let size = |g: &CMat| largest(g, |x| x.norm());
+    let first = series.first().map_or(0.0, size);
+    let rho = series.iter().enumerate().skip(1).fold(1.0f64, |rho, (l, g)| {
+        let ratio = (first / size(g)).powf(1.0 / l as f64);
+        if first > 0.0 && ratio > 0.0 { rho.min(ratio) } else { rho }
+    });
+    (0..series.len()).map(|l| rho.powi(l as i32)).collect()
 }

@@ -5,16 +5,26 @@ use super::basis::Kind;
 use super::conditions::{Condition, conditions};
 use super::data::{Domain, InterpolationData, Point};
 use super::evaluate::Realisation;
+use super::loewner::polished_route;
 use super::plane::Mobius;
+use super::polish::{polished, residual};
 use super::projection::{Range, columns};
 use super::realise::{inputs, poles};
 use crate::linalg::Mat;
 use crate::lti::StateSpace;
 
-/// Singular values below this share of the largest are rounding of exact data.
-pub(super) const ROUNDING: f64 = 1e-12;
+/// Rounding of exact data is below this share of the largest singular value, however derivatives amplify it.
+const SMALL: f64 = 1e-8;
+/// No gap ends lower than this share.
+const FLOOR: f64 = 1e-16;
 /// An interpolant meets its data to this.
 const MEETS: f64 = 1e-6;
+/// A realisation that leaves this share of the data's norm meets them; rounding leaves less.
+const MET: f64 = 1e-12;
+/// An order that leaves no more than this many times what the best one leaves is as good: the rest is noise.
+const NEAR: f64 = 1e3;
+/// Orders that are tried beside the rank.
+const TRIED: usize = 4;
 
 /// A rational function and what shows that it is the one.
 #[derive(Debug, Clone)]
@@ -64,7 +74,7 @@ impl Interpolant {
 ///
 /// | what | is |
 /// |---|---|
-/// | `order` | n; none: the rank of exact data, singular values above 1e-12 of the largest |
+/// | `order` | n; none: the rank of exact data, by the widest gap of the singular values that ends below 1e-8 of the largest |
 ///
 /// # Errors
 /// As [`InterpolationData::new`]; too little data, with the rank that is missing; an order above the data's; an interpolant
@@ -99,42 +109,135 @@ pub(super) fn anywhere(data: &InterpolationData, order: Option<usize>) -> Result
     let points: Vec<Point> = data.nodes.iter().map(|n| n.z).collect();
     let map = Mobius::to_work(data.domain, &points);
     let all = conditions(map, &data.nodes, size);
-    if all.iter().any(|c| !c.whole[0]) && all.iter().any(|c| !c.whole[1]) {
-        return super::loewner::mixed(data, map, &all, order);
-    }
-    let (a, b, c, d, singular_values) = if all.iter().any(|c| !c.whole[0]) {
-        let turned: Vec<Condition> = all.iter().map(Condition::transposed).collect();
-        let (a, b, c, d, s) = realised(&turned, (size.1, size.0), order)?;
-        let turn = |m: Mat| m.transpose().to_owned();
-        (turn(a), turn(c), turn(b), turn(d), s)
-    } else {
-        realised(&all, size, order)?
+    let sided = |k: usize| all.iter().any(|c| !c.whole[k]);
+    let mut found = match (sided(0), sided(1)) {
+        (true, true) => polished_route(&all, size, order)?,
+        (true, false) => transposed(&all, size, order)?,
+        _ => by_range(&all, size, order)?,
     };
-    Interpolant::new(data, map, [&a, &b, &c, &d], singular_values)
+    if found.off >= MET && !(sided(0) && sided(1)) {
+        // conditions from the other side, or from both, may keep more digits
+        let other = if sided(0) || sided(1) { None } else { transposed(&all, size, order).ok() };
+        for other in other.into_iter().chain(polished_route(&all, size, order).ok()) {
+            if other.off < MET || NEAR * other.off < found.off {
+                found = other;
+            }
+        }
+    }
+    Interpolant::new(data, map, found.abcd.each_ref(), found.singular_values)
 }
 
-type Realised = (Mat, Mat, Mat, Mat, Vec<f64>);
+/// A realisation in the plane of work, and what it leaves.
+pub(super) struct Route {
+    pub off: f64,
+    pub abcd: [Mat; 4],
+    pub singular_values: Vec<f64>,
+}
+
+fn transposed(
+    all: &[Condition],
+    (p, m): (usize, usize),
+    order: Option<usize>,
+) -> Result<Route, SubspaceError> {
+    let turned: Vec<Condition> = all.iter().map(Condition::transposed).collect();
+    let mut found = by_range(&turned, (m, p), order)?;
+    found.abcd = {
+        let [a, b, c, d] = found.abcd.each_ref().map(|m| m.transpose().to_owned());
+        [a, c, b, d]
+    };
+    Ok(found)
+}
+
+fn by_range(all: &[Condition], size: (usize, usize), order: Option<usize>) -> Result<Route, SubspaceError> {
+    let (range, shown) = enough(all, size, order)?;
+    let orders = order.map_or_else(|| candidates(&range.singular_values, shown), |n| vec![n]);
+    let (off, abcd) = least_that_meets(all, &orders, |n| realised(all, &range, size, n))?;
+    Ok(Route { off, abcd, singular_values: range.singular_values })
+}
 
 /// In the plane of work, from conditions on all rows.
 fn realised(
     all: &[Condition],
+    range: &Range,
+    (p, m): (usize, usize),
+    n: usize,
+) -> Result<[Mat; 4], SubspaceError> {
+    let (a, c) = poles(range, p, n)?;
+    let (b, d) = inputs(all, &[], (&a, &c), m)?;
+    Ok([a, b, c, d])
+}
+
+/// The least order whose realisation, polished, meets the conditions; where none does, the least that comes near the best.
+pub(super) fn least_that_meets(
+    all: &[Condition],
+    orders: &[usize],
+    realised: impl Fn(usize) -> Result<[Mat; 4], SubspaceError>,
+) -> Result<(f64, [Mat; 4]), SubspaceError> {
+    let mut tried: Vec<(f64, [Mat; 4])> = Vec::new();
+    let mut refused = None;
+    for n in orders {
+        let found = realised(*n).and_then(|start| {
+            let found = polished(all, start)?;
+            Ok((residual(all, &found)?, found))
+        });
+        match found {
+            Ok(found) => {
+                let met = found.0 < MET;
+                tried.push(found);
+                if met {
+                    break;
+                }
+            }
+            Err(e) => refused = refused.or(Some(e)),
+        }
+    }
+    let best = tried.iter().map(|(off, _)| *off).fold(f64::INFINITY, f64::min);
+    match (tried.into_iter().find(|(off, _)| *off <= (NEAR * best).max(MET)), refused) {
+        (Some(found), _) => Ok(found),
+        (None, Some(e)) => Err(e),
+        (None, None) => Err(SubspaceError::TooLittleData { rank: 0, most: 0, missing: 1 }),
+    }
+}
+
+/// The rank and the other orders that rounding may have hidden, those with the widest gaps; ascending.
+pub(super) fn candidates(singular_values: &[f64], rank: usize) -> Vec<usize> {
+    let mut all = vec![rank];
+    let mut others: Vec<usize> =
+        possible(singular_values).filter(|n| *n != rank && *n <= singular_values.len()).collect();
+    others.sort_by(|i, j| gap(singular_values, *j).total_cmp(&gap(singular_values, *i)));
+    all.extend(others.into_iter().take(TRIED));
+    all.sort_unstable();
+    all
+}
+
+/// Orders whose next singular value may be rounding.
+fn possible(values: &[f64]) -> impl Iterator<Item = usize> {
+    (1..=values.len()).filter(|n| relative(values, *n) < SMALL && relative(values, *n - 1) > FLOOR)
+}
+
+/// σ_{k+1}/σ₁, not below the floor.
+fn relative(values: &[f64], k: usize) -> f64 {
+    values.get(k).map_or(FLOOR, |s| (s / values[0]).max(FLOOR))
+}
+
+fn gap(values: &[f64], n: usize) -> f64 {
+    relative(values, n - 1) / relative(values, n)
+}
+
+/// The number of singular values before the widest gap that ends at what may be rounding, or after all.
+pub(super) fn rank(values: &[f64]) -> usize {
+    if !values.first().is_some_and(|s| *s > 0.0) {
+        return 0;
+    }
+    possible(values).fold(values.len(), |best, n| if gap(values, n) > gap(values, best) { n } else { best })
+}
+
+/// A range that shows the order, and its rank: with as many block rows as data allow for any system, else with those that show most.
+fn enough(
+    all: &[Condition],
     (p, m): (usize, usize),
     order: Option<usize>,
-) -> Result<Realised, SubspaceError> {
-    let range = enough(all, (p, m), order)?;
-    let n = order.unwrap_or_else(|| rank(&range.singular_values));
-    let (a, c) = poles(&range, p, n);
-    let (b, d) = inputs(all, &[], (&a, &c), m)?;
-    Ok((a, b, c, d, range.singular_values))
-}
-
-pub(super) fn rank(singular_values: &[f64]) -> usize {
-    let largest = singular_values.first().copied().unwrap_or(0.0);
-    singular_values.iter().filter(|s| **s > ROUNDING * largest).count()
-}
-
-/// A range that shows the order: with as many block rows as data allow for any system, else with those that show most.
-fn enough(all: &[Condition], (p, m): (usize, usize), order: Option<usize>) -> Result<Range, SubspaceError> {
+) -> Result<(Range, usize), SubspaceError> {
     let total = columns(all);
     let most = |q: usize| (p * (q - 1)).min(total.saturating_sub(q * m));
     let highest = (total / m).max(1);
@@ -149,11 +252,11 @@ fn enough(all: &[Condition], (p, m): (usize, usize), order: Option<usize>) -> Re
         let sure = rank < q && total >= (q + rank) * m;
         let seen = rank < range.singular_values.len() && rank <= p * (q - 1);
         match order {
-            Some(n) if n <= most(q) && (n <= rank || !(sure || seen)) => return Ok(range),
+            Some(n) if n <= most(q) && (n <= rank || !(sure || seen)) => return Ok((range, rank)),
             Some(n) if n > rank && (sure || seen) => {
                 return Err(SubspaceError::OrderAboveRank { order: n, rank });
             }
-            None if sure || seen => return Ok(range),
+            None if sure || seen => return Ok((range, rank)),
             _ => shown = (rank.max(shown.0), most(q).max(shown.1)),
         }
     }

@@ -3,7 +3,7 @@
 use super::super::SubspaceError;
 use super::conditions::{Condition, conditions};
 use super::data::{InterpolationData, Point};
-use super::interpolate::{Interpolant, rank};
+use super::interpolate::{Interpolant, Route, candidates, least_that_meets, rank};
 use super::plane::Mobius;
 use crate::linalg::{C64, CMat, LinalgError, Mat};
 
@@ -26,18 +26,22 @@ pub fn loewner(data: &InterpolationData, order: Option<usize>) -> Result<Interpo
     data.check()?;
     let points: Vec<Point> = data.nodes.iter().map(|n| n.z).collect();
     let map = Mobius::to_work(data.domain, &points);
-    mixed(data, map, &conditions(map, &data.nodes, (data.outputs, data.inputs)), order)
+    let all = conditions(map, &data.nodes, (data.outputs, data.inputs));
+    let found = Factored::new(&all, (data.outputs, data.inputs))?;
+    let abcd = found.realised(order.unwrap_or_else(|| rank(&found.values)))?;
+    Interpolant::new(data, map, abcd.each_ref(), found.values)
 }
 
-pub(super) fn mixed(
-    data: &InterpolationData,
-    map: Mobius,
+/// The same for [`interpolate`](super::interpolate), polished; with the residual.
+pub(super) fn polished_route(
     all: &[Condition],
+    size: (usize, usize),
     order: Option<usize>,
-) -> Result<Interpolant, SubspaceError> {
-    let [a, b, c, d, values] = realised(all, (data.outputs, data.inputs), order)?;
-    let singular_values = (0..values.nrows()).map(|i| values[(i, 0)]).collect();
-    Interpolant::new(data, map, [&a, &b, &c, &d], singular_values)
+) -> Result<Route, SubspaceError> {
+    let found = Factored::new(all, size)?;
+    let orders = order.map_or_else(|| candidates(&found.values, rank(&found.values)), |n| vec![n]);
+    let (off, abcd) = least_that_meets(all, &orders, |n| found.realised(n))?;
+    Ok(Route { off, abcd, singular_values: found.values })
 }
 
 /// One side of the data: coefficients of x(w) = (w − A)⁻¹B u, or of its dual, at one node.
@@ -46,36 +50,44 @@ struct Chain<'a> {
     count: usize,
 }
 
-fn realised(
-    all: &[Condition],
-    (p, m): (usize, usize),
-    order: Option<usize>,
-) -> Result<[Mat; 5], SubspaceError> {
-    let (left, right) = dealt(all);
-    let l = real_rows(&left, &right);
-    let svd = l.thin_svd().map_err(|_| svd_failed(l.nrows()))?;
-    let values: Vec<f64> = (0..l.nrows().min(l.ncols())).map(|i| svd.S()[i]).collect();
-    let shown = rank(&values);
-    let n = order.unwrap_or(shown);
-    if n > shown {
-        return Err(if shown < values.len() {
-            SubspaceError::OrderAboveRank { order: n, rank: shown }
-        } else {
-            SubspaceError::TooLittleData { rank: shown, most: values.len(), missing: n - shown }
-        });
+/// 𝕃 = U Σ Vᵀ with the conditions of its rows and columns.
+struct Factored<'a> {
+    left: Vec<Chain<'a>>,
+    right: Vec<Chain<'a>>,
+    u: Mat,
+    v: Mat,
+    values: Vec<f64>,
+    size: (usize, usize),
+}
+
+impl<'a> Factored<'a> {
+    fn new(all: &'a [Condition], size: (usize, usize)) -> Result<Self, SubspaceError> {
+        let (left, right) = dealt(all);
+        let l = real_rows(&left, &right);
+        let svd = l.thin_svd().map_err(|_| svd_failed(l.nrows()))?;
+        let values: Vec<f64> = (0..l.nrows().min(l.ncols())).map(|i| svd.S()[i]).collect();
+        Ok(Factored { u: svd.U().to_owned(), v: svd.V().to_owned(), left, right, values, size })
     }
-    let root: Vec<f64> = values[..n].iter().map(|s| s.sqrt()).collect();
-    // 𝕃 = −𝒪 𝓡
-    let o = Mat::from_fn(l.nrows(), n, |i, j| -svd.U()[(i, j)] * root[j]);
-    let r = Mat::from_fn(n, l.ncols(), |i, j| svd.V()[(j, i)] * root[i]);
-    let columns = side(&right, |c| c.clone(), r.transpose().to_owned(), m, p);
-    let rows = side(&left, Condition::transposed, o, p, m);
-    // Θ = [A B; C D]: Θ R = K, L Θ = J
-    let turn = |x: &Mat| x.transpose().to_owned();
-    let theta = both_sides(&turn(&columns.0), &turn(&columns.1), &rows.0, &rows.1)?;
-    let part = |i: usize, j: usize, r: usize, c: usize| theta.submatrix(i, j, r, c).to_owned();
-    let s = Mat::from_fn(values.len(), 1, |i, _| values[i]);
-    Ok([part(0, 0, n, n), part(0, n, n, m), part(n, 0, p, n), part(n, n, p, m), s])
+
+    /// A, B, C, D of order n.
+    fn realised(&self, n: usize) -> Result<[Mat; 4], SubspaceError> {
+        let (p, m) = self.size;
+        let most = self.values.len();
+        if n > most {
+            return Err(SubspaceError::TooLittleData { rank: rank(&self.values), most, missing: n - most });
+        }
+        let root: Vec<f64> = self.values[..n].iter().map(|s| s.sqrt()).collect();
+        // 𝕃 = −𝒪 𝓡
+        let o = Mat::from_fn(self.u.nrows(), n, |i, j| -self.u[(i, j)] * root[j]);
+        let r = Mat::from_fn(self.v.nrows(), n, |i, j| self.v[(i, j)] * root[j]);
+        let columns = side(&self.right, |c| c.clone(), r, m, p);
+        let rows = side(&self.left, Condition::transposed, o, p, m);
+        // Θ = [A B; C D]: Θ R = K, L Θ = J
+        let turn = |x: &Mat| x.transpose().to_owned();
+        let theta = both_sides(&turn(&columns.0), &turn(&columns.1), &rows.0, &rows.1)?;
+        let part = |i: usize, j: usize, r: usize, c: usize| theta.submatrix(i, j, r, c).to_owned();
+        Ok([part(0, 0, n, n), part(0, n, n, m), part(n, 0, p, n), part(n, n, p, m)])
+    }
 }
 
 fn svd_failed(order: usize) -> LinalgError {

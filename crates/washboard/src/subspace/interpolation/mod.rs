@@ -11,6 +11,7 @@ mod interpolate;
 mod loewner;
 mod pick;
 mod plane;
+mod polish;
 mod printed;
 mod projection;
 mod realise;

@@ -43,6 +43,7 @@ pub fn projected_singular_values(
         let mut factorial = 1.0;
         for (l, weight) in c.weights.iter_mut().enumerate() {
             factorial *= l.max(1) as f64;
+            *weight = 1.0;
             if form != PrintedForm::Taylor {
                 *weight *= factorial;
             }

@@ -12,8 +12,15 @@ const DEPENDENT: f64 = 1e-13;
 const MET: f64 = 1e-9;
 
 /// A and C of order n, up to similarity.
-pub(super) fn poles(range: &Range, p: usize, n: usize) -> (Mat, Mat) {
+///
+/// # Errors
+/// Fewer rows than the order takes.
+pub(super) fn poles(range: &Range, p: usize, n: usize) -> Result<(Mat, Mat), SubspaceError> {
     let q = range.basis.len();
+    let most = ((q - 1) * p).min(range.singular_values.len());
+    if n > most {
+        return Err(SubspaceError::TooLittleData { rank: most, most, missing: n - most });
+    }
     let observed = range.u.subcols(0, n);
     let down = observed.subrows(0, (q - 1) * p).to_owned();
     // w φ_i = Σ_j h_ji φ_j, so C φ_i(A) A = Σ_j h_ji C φ_j(A)
@@ -23,7 +30,7 @@ pub(super) fn poles(range: &Range, p: usize, n: usize) -> (Mat, Mat) {
         (0..=i + 1).map(|j| h[(j, i)] * observed[(j * p + a, x)]).sum()
     });
     let a = if n == 0 { Mat::zeros(0, 0) } else { down.qr().solve_lstsq(&up) };
-    (a, Mat::from_fn(p, n, |i, j| observed[(i, j)] / range.basis.first))
+    Ok((a, Mat::from_fn(p, n, |i, j| observed[(i, j)] / range.basis.first)))
 }
 
 /// Rows of Υ_k of (3.61) over l!: C(wI − A)^{−l−1}(−1)^l, p × n each.

@@ -74,7 +74,7 @@ pub fn fit_response(
         return Err(SubspaceError::TooLittleData { rank, most, missing });
     }
     let range = Range::new(&data, (p, m), q, Kind::Orthogonal)?;
-    let (a, c) = poles(&range, p, order);
+    let (a, c) = poles(&range, p, order)?;
     let (b, d) = inputs(&data, &exact, (&a, &c), m)?;
     let checked = InterpolationData { domain, outputs: p, inputs: m, nodes: constraints.to_vec() };
     Interpolant::new(&checked, map, [&a, &b, &c, &d], range.singular_values)
