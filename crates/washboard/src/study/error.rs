@@ -4,6 +4,7 @@ use super::design_words::short_numbers;
 use crate::cases::CaseError;
 use crate::files::FileError;
 use crate::signal::SignalError;
+use crate::subspace::SubspaceError;
 use crate::synthesis::SynthesisError;
 use crate::vehicle::{
     BumpError, ControlError, LineariseError, PlantError, RideError, SimulateError, VehicleError,
@@ -59,6 +60,14 @@ pub enum StudyError {
         /// Why.
         source: Box<SynthesisError>,
     },
+    /// Data that nothing interpolates.
+    #[error("{name}: {source}")]
+    Interpolation {
+        /// Their file.
+        name: String,
+        /// Why.
+        source: Box<SubspaceError>,
+    },
     /// A bump that has no response.
     #[error("{name}: {source}")]
     Bump {
@@ -105,6 +114,7 @@ impl StudyError {
             StudyError::Linearise { source: LineariseError::Ride(source), .. } => !numerical(source),
             StudyError::Linearise { source: LineariseError::NotConverged { .. }, .. } => false,
             StudyError::Simulate(SimulateError::Steps { .. }) => false,
+            StudyError::Interpolation { source, .. } => super::interpolation::is_wrong_input(source),
             _ => true,
         }
     }

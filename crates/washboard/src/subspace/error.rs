@@ -206,6 +206,14 @@ pub enum SubspaceError {
         /// What there is.
         rank: usize,
     },
+    /// Directions that leave inputs, or outputs, open.
+    #[error("too little data: their directions have rank {rank} of {needed}: rank {missing} is missing", missing = needed - rank)]
+    MissingDirections {
+        /// What they have.
+        rank: usize,
+        /// Inputs (right) or outputs (left).
+        needed: usize,
+    },
     /// Data of a system of lower order.
     #[error("order {order}: the data have rank {rank}, so that order {rank} is the highest")]
     OrderAboveRank {
@@ -216,13 +224,13 @@ pub enum SubspaceError {
     },
     /// A system with a pole at infinity.
     #[error(
-        "order {order}: the function through the data is not proper (condition {condition:e} of the map that takes it there)"
+        "order {order}: the function through the data is not proper (a pole {distance:e} from infinity, as a share)"
     )]
     Improper {
         /// n.
         order: usize,
         /// How near.
-        condition: f64,
+        distance: f64,
     },
     /// Constraints that B and D cannot meet.
     #[error(

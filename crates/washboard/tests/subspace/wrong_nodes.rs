@@ -123,7 +123,7 @@ fn a_direction_that_is_never_asked_is_a_missing_rank() {
     });
     let data = InterpolationData::new(Domain::Disk, nodes.collect()).unwrap();
     let found = interpolate(&data, Some(1)).unwrap_err();
-    assert!(matches!(found, SubspaceError::MissingRank { unknowns: 6, rank: 3 }), "{found}");
+    assert!(matches!(found, SubspaceError::MissingDirections { rank: 1, needed: 2 }), "{found}");
 }
 
 /// No proper function of order 1 goes through values of z itself; what is not stable is said and not refused.

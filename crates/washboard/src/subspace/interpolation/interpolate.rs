@@ -1,7 +1,6 @@
 //! Algorithm 3.1.1: the function of least order through the data.
 
 use super::super::SubspaceError;
-use super::basis::Kind;
 use super::conditions::{Condition, conditions};
 use super::data::{Domain, InterpolationData, Point};
 use super::evaluate::Realisation;
@@ -10,7 +9,7 @@ use super::plane::Mobius;
 use super::polish::{polished, residual};
 use super::projection::{Range, columns};
 use super::realise::{inputs, poles};
-use crate::linalg::Mat;
+use crate::linalg::{C64, Mat};
 use crate::lti::StateSpace;
 
 /// Rounding of exact data is below this share of the largest singular value, however derivatives amplify it.
@@ -23,6 +22,8 @@ const MEETS: f64 = 1e-6;
 const MET: f64 = 1e-12;
 /// An order that leaves no more than this many times what the best one leaves is as good: the rest is noise.
 const NEAR: f64 = 1e3;
+/// Directions that are one but for this share.
+const PARALLEL: f64 = 1e-12;
 /// Orders that are tried beside the rank.
 const TRIED: usize = 4;
 
@@ -238,6 +239,7 @@ fn enough(
     (p, m): (usize, usize),
     order: Option<usize>,
 ) -> Result<(Range, usize), SubspaceError> {
+    directions(all, m)?;
     let total = columns(all);
     let most = |q: usize| (p * (q - 1)).min(total.saturating_sub(q * m));
     let highest = (total / m).max(1);
@@ -246,14 +248,14 @@ fn enough(
     let best = (1..=highest).fold(even, |best, q| if most(q) > most(best) { q } else { best });
     let mut shown = (0, 0);
     for q in [even, best] {
-        let range = Range::new(all, (p, m), q, Kind::Orthogonal)?;
+        let range = Range::explained(all, (p, m), q)?;
         let q = range.basis.len();
         let rank = rank(&range.singular_values);
         let sure = rank < q && total >= (q + rank) * m;
         let seen = rank < range.singular_values.len() && rank <= p * (q - 1);
         match order {
             Some(n) if n <= most(q) && (n <= rank || !(sure || seen)) => return Ok((range, rank)),
-            Some(n) if n > rank && (sure || seen) => {
+            Some(n) if n > rank && rank < most(q) && (sure || seen) => {
                 return Err(SubspaceError::OrderAboveRank { order: n, rank });
             }
             None if sure || seen => return Ok((range, rank)),
@@ -262,5 +264,21 @@ fn enough(
     }
     let (rank, most) = shown;
     let missing = order.map_or(1, |n| n.saturating_sub(most)).max(1);
-    Err(SubspaceError::TooLittleData { rank, most, missing })
+    Err(SubspaceError::TooLittleData { rank, most: most.max(rank), missing })
+}
+
+/// Refuses directions that leave an input open.
+fn directions(all: &[Condition], m: usize) -> Result<(), SubspaceError> {
+    let parts = all.iter().flat_map(|c| {
+        (0..c.right.ncols()).flat_map(|j| {
+            let part = |f: fn(C64) -> f64| (0..m).map(|i| f(c.right[(i, j)])).collect::<Vec<_>>();
+            [part(|x| x.re), part(|x| x.im)]
+        })
+    });
+    let parts: Vec<Vec<f64>> = parts.collect();
+    let rank = crate::linalg::rank(&Mat::from_fn(m, parts.len(), |i, j| parts[j][i]), PARALLEL)?;
+    if rank < m {
+        return Err(SubspaceError::MissingDirections { rank, needed: m });
+    }
+    Ok(())
 }

@@ -2,14 +2,14 @@
 
 use super::super::SubspaceError;
 use super::data::{Domain, Point};
-use crate::linalg::{C64, CMat, Mat, condition_estimate, solve};
+use crate::linalg::{C64, CMat, Mat, singular_values, solve};
 
 /// A node farther from the origin than this is too near to infinity to work there.
 const FAR: f64 = 5.0;
 /// Automorphisms of the disk to choose from where some node is.
 const CENTRES: [f64; 6] = [0.5, -0.5, 0.25, -0.25, 0.75, -0.75];
-/// A system is improper where mapping it has a condition above this.
-const IMPROPER: f64 = 1e13;
+/// A pole this near to infinity, as a share of what a singular value can be, is there.
+const IMPROPER: f64 = 1e-13;
 
 /// w = (αz + β)/(γz + δ).
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -114,9 +114,10 @@ impl Mobius {
         let shifted =
             |x: f64, y: f64| Mat::from_fn(n, n, |i, j| y * a[(i, j)] + if i == j { x } else { 0.0 });
         let e = shifted(self.alpha, -self.gamma);
-        let condition = condition_estimate(&e)?;
-        if condition > IMPROPER {
-            return Err(SubspaceError::Improper { order: n, condition });
+        let least = singular_values(&e)?.last().copied().unwrap_or(0.0);
+        let distance = least / (self.alpha.abs() + self.gamma.abs() * a.norm_l2());
+        if !(distance > IMPROPER) {
+            return Err(SubspaceError::Improper { order: n, distance });
         }
         // (wI − A)⁻¹ = γE⁻¹ + (γA_z + δI)(zI − A_z)⁻¹E⁻¹, E = αI − γA, A_z = E⁻¹(δA − βI)
         let az = solve(&e, &shifted(-self.beta, self.delta))?;

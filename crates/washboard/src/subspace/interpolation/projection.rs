@@ -5,12 +5,17 @@ use super::basis::{Basis, Kind};
 use super::conditions::Condition;
 use crate::linalg::{C64, LinalgError, Mat};
 
+/// F lacks rank where a pivot is below this share of the largest.
+const DEPENDENT: f64 = 1e-11;
+
 /// The observability range in a basis of polynomials: block row i is C φ_i(A).
 pub(super) struct Range {
     /// Left singular vectors of R₂₂, pq rows.
     pub u: Mat,
     pub singular_values: Vec<f64>,
     pub basis: Basis,
+    /// Least over largest pivot of what inputs could explain: F has full rank where it is not 0.
+    pivots: f64,
 }
 
 impl Range {
@@ -58,7 +63,31 @@ impl Range {
         let failed = |_| LinalgError::NoConvergence { what: "the SVD", order: p * q };
         let svd = r22.thin_svd().map_err(failed)?; // eq. (3.49)
         let singular_values = (0..left.min(p * q)).map(|i| svd.S()[i]).collect();
-        Ok(Self { u: svd.U().to_owned(), singular_values, basis })
+        let pivot = |i: usize| r[(i, i)].abs();
+        let explained = (q * m).min(r.nrows());
+        let (low, high) =
+            (0..explained).map(pivot).fold((f64::INFINITY, 0.0f64), |(l, h), x| (l.min(x), h.max(x)));
+        Ok(Self { u: svd.U().to_owned(), singular_values, basis, pivots: low / high })
+    }
+
+    /// In orthogonal polynomials, q lowered until F has full rank: directions may have few nodes each.
+    ///
+    /// # Errors
+    /// As [`Range::new`].
+    pub fn explained(
+        conditions: &[Condition],
+        size: (usize, usize),
+        q: usize,
+    ) -> Result<Self, SubspaceError> {
+        let mut q = q;
+        loop {
+            let range = Self::new(conditions, size, q, Kind::Orthogonal)?;
+            q = range.basis.len();
+            if q <= 1 || range.pivots > DEPENDENT {
+                return Ok(range);
+            }
+            q -= 1;
+        }
     }
 }
 
