@@ -37,6 +37,7 @@ enum Command {
     Identify(commands::identify::Arguments),
     Compare(commands::compare::Arguments),
     Design(commands::design::Arguments),
+    Interpolate(commands::interpolate::Arguments),
     Report(commands::report::Arguments),
 }
 
@@ -54,6 +55,7 @@ fn main() -> ExitCode {
         Command::Identify(a) => commands::identify::run(a, cli.output),
         Command::Design(a) => commands::design::run(a, cli.output),
         Command::Compare(a) => commands::compare::run(a, cli.output),
+        Command::Interpolate(a) => commands::interpolate::run(a, cli.output),
         Command::Report(a) => commands::report::run(a, cli.output),
     };
     run.unwrap_or_else(|failure| failure.exit(cli.output))

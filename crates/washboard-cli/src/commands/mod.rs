@@ -6,6 +6,7 @@ pub mod damping;
 pub mod demo;
 pub mod design;
 pub mod identify;
+pub mod interpolate;
 pub mod modes;
 pub mod report;
 pub mod respond;

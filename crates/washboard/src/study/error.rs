@@ -62,6 +62,14 @@ pub enum StudyError {
         /// Why.
         source: Box<SynthesisError>,
     },
+    /// Data that nothing interpolates.
+    #[error("{name}: {source}")]
+    Interpolation {
+        /// Their file.
+        name: String,
+        /// Why.
+        source: Box<SubspaceError>,
+    },
     /// A bump that has no response.
     #[error("{name}: {source}")]
     Bump {
@@ -142,6 +150,7 @@ impl StudyError {
                     | SubspaceError::NotPositive { .. }
                     | SubspaceError::Unverified { .. }
             ),
+            StudyError::Interpolation { source, .. } => super::interpolation::is_wrong_input(source),
             _ => true,
         }
     }

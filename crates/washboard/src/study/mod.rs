@@ -32,6 +32,7 @@ mod identify_outcome;
 mod identify_physical;
 mod identify_tvimm;
 mod input_checks;
+mod interpolation;
 mod load;
 mod modes;
 mod named;
@@ -77,6 +78,9 @@ pub use error::StudyError;
 pub use identify::{Files, IdentifyRun, identify, identify_recording, identify_recordings};
 pub use identify_evidence::*;
 pub use identify_outcome::*;
+pub use interpolation::{
+    InterpolateOutcome, InterpolateSpec, InterpolateStatus, check_interpolation_target, interpolate_file,
+};
 pub use load::{LoadedRoad, LoadedVehicle, load_road, load_vehicle};
 pub use modes::{ModesOutcome, VehicleMode, VehicleModeKind, modes};
 pub use named::Named;

@@ -26,6 +26,8 @@ pub enum Spec {
     Damping(DampingSpec),
     /// See [`compare`](super::compare).
     Compare(CompareSpec),
+    /// See [`interpolate_file`](super::interpolate_file).
+    Interpolate(super::InterpolateSpec),
     /// See [`design`](super::design).
     Design(Box<DesignSpec>),
     /// See [`road_fit`](super::road_fit).

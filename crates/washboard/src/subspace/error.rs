@@ -131,4 +131,125 @@ pub enum SubspaceError {
         /// What is allowed.
         limit: f64,
     },
+    /// A value of another shape.
+    #[error("node {index}, derivative {derivative}: expected shape {expected:?}, found {found:?}")]
+    NodeShape {
+        /// Which node, from 0.
+        index: usize,
+        /// Which value, from 0.
+        derivative: usize,
+        /// Rows and columns by the first node or its side.
+        expected: (usize, usize),
+        /// Its own.
+        found: (usize, usize),
+    },
+    /// A node where the system may have a pole.
+    #[error("node {index}: {re} + {im}i is {inside:e} inside {region}, where the system may have poles")]
+    NodeInside {
+        /// Which, from 0.
+        index: usize,
+        /// Re z.
+        re: f64,
+        /// Im z.
+        im: f64,
+        /// How far.
+        inside: f64,
+        /// Of what.
+        region: &'static str,
+    },
+    /// A real node with a value that is not real.
+    #[error(
+        "node {index}, derivative {derivative}: an imaginary part of {imaginary:e} at a real node, expected a real value"
+    )]
+    NotReal {
+        /// Which, from 0.
+        index: usize,
+        /// Which value, from 0.
+        derivative: usize,
+        /// The largest.
+        imaginary: f64,
+    },
+    /// Two values of one thing.
+    #[error(
+        "nodes {first} and {second} are one, or conjugate, and their derivatives {derivative} differ by {difference:e}"
+    )]
+    Contradiction {
+        /// One, from 0.
+        first: usize,
+        /// The other.
+        second: usize,
+        /// Which value, from 0.
+        derivative: usize,
+        /// The largest.
+        difference: f64,
+    },
+    /// Data whose rank is as high as it can be, or that cannot show the order asked for.
+    #[error(
+        "too little data: they show rank {rank} and can show no more than {most}; a rank of at least {missing} more is missing to tell the order (data that are not exact have full rank: give the order)"
+    )]
+    TooLittleData {
+        /// What it is.
+        rank: usize,
+        /// What it can be.
+        most: usize,
+        /// What it lacks.
+        missing: usize,
+    },
+    /// Data that leave B and D open.
+    #[error(
+        "too little data: B and D have {unknowns} unknowns and the data determine {rank}: rank {missing} is missing",
+        missing = unknowns - rank
+    )]
+    MissingRank {
+        /// (n + p) m.
+        unknowns: usize,
+        /// What there is.
+        rank: usize,
+    },
+    /// Directions that leave inputs, or outputs, open.
+    #[error("too little data: their directions have rank {rank} of {needed}: rank {missing} is missing", missing = needed - rank)]
+    MissingDirections {
+        /// What they have.
+        rank: usize,
+        /// Inputs (right) or outputs (left).
+        needed: usize,
+    },
+    /// Data of a system of lower order.
+    #[error("order {order}: the data have rank {rank}, so that order {rank} is the highest")]
+    OrderAboveRank {
+        /// What was asked for.
+        order: usize,
+        /// What they have.
+        rank: usize,
+    },
+    /// A system with a pole at infinity.
+    #[error(
+        "order {order}: the function through the data is not proper (a pole {distance:e} from infinity, as a share)"
+    )]
+    Improper {
+        /// n.
+        order: usize,
+        /// How near.
+        distance: f64,
+    },
+    /// Constraints that B and D cannot meet.
+    #[error(
+        "{count} real constraints of rank {rank} cannot be met with the poles found: off by {off:e} of their size"
+    )]
+    Constraints {
+        /// How many.
+        count: usize,
+        /// Of these independent.
+        rank: usize,
+        /// What is left.
+        off: f64,
+    },
+    /// A bound that no function through the data has.
+    #[error("bound {bound}: no stable function through the data is below {least} everywhere on the boundary")]
+    Bound {
+        /// What was asked for.
+        bound: f64,
+        /// The least.
+        least: f64,
+    },
 }

@@ -1,8 +1,10 @@
-//! Subspace identification: rational models of power spectra and of analytic functions from samples at any frequencies.
+//! Subspace identification: rational models of power spectra and of analytic functions from samples at any frequencies;
+//! interpolation of values and derivatives.
 
 mod analytic;
 mod error;
 mod factor;
+mod interpolation;
 mod positivity;
 mod range;
 mod samples;
@@ -14,6 +16,10 @@ mod toeplitz;
 pub use analytic::{AnalyticModel, AnalyticSettings, Part, fit_analytic, magnitude_of_phase};
 pub use error::SubspaceError;
 pub use factor::{SpectralFactor, spectral_factor};
+pub use interpolation::{
+    Bounded, Domain, Interpolant, InterpolationData, Measured, Node, Point, PrintedForm, Realisation, Side,
+    fit_response, interpolate, interpolate_bounded, loewner, projected_singular_values,
+};
 pub use positivity::Repair;
 pub use range::Route;
 pub use samples::{Samples, Weights};

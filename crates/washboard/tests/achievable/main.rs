@@ -5,6 +5,7 @@
 mod cars;
 mod constraints;
 mod hybrid;
+mod interpolation;
 mod near_optimal;
 mod parametrisation;
 mod trade_offs;

@@ -1,0 +1,300 @@
+//! The job `interpolate`: a rational function through the values of a file, or near its measurements.
+
+use super::{Input, StudyError};
+use crate::files::{FileError, read_text};
+use crate::linalg::{C64, CMat, Mat};
+use crate::subspace::{
+    Domain, Interpolant, InterpolationData, Measured, Node, Point, Side, SubspaceError, fit_response,
+    interpolate, interpolate_bounded,
+};
+use serde::{Deserialize, Serialize};
+use std::path::{Path, PathBuf};
+
+/// A file of values to interpolate.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct InterpolateSpec {
+    /// JSON: `domain`, `nodes`, `measured`, `constraints`, `order`, `bound`.
+    pub data: PathBuf,
+}
+
+/// What went through the data.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum InterpolateStatus {
+    /// A function that meets its data and is stable.
+    Found,
+    /// The function through the data has a pole where it must not.
+    NotStable,
+    /// No function of this order meets the data.
+    NotMet,
+}
+
+/// A rational function C(zI − A)⁻¹B + D, or of s.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct InterpolateOutcome {
+    /// Whether it is what was asked for.
+    pub status: InterpolateStatus,
+    /// Why it is not.
+    pub why: Option<String>,
+    /// `disk` or `half-plane`.
+    pub domain: String,
+    /// Of the half plane, rad/s.
+    pub lambda: Option<f64>,
+    /// n.
+    pub order: usize,
+    /// Rows of A.
+    pub a: Vec<Vec<f64>>,
+    /// Rows of B.
+    pub b: Vec<Vec<f64>>,
+    /// Rows of C.
+    pub c: Vec<Vec<f64>>,
+    /// Rows of D.
+    pub d: Vec<Vec<f64>>,
+    /// Those that the order was told by.
+    pub singular_values: Vec<f64>,
+    /// At any node or constraint, over the largest value of the same derivative; recomputed from A, B, C, D.
+    pub max_error: f64,
+    /// Poles inside the disk, or left of the axis.
+    pub stable: bool,
+    /// The modulus on the boundary, where one was asked for, and the least that there can be.
+    pub bound: Option<[f64; 2]>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct File {
+    domain: String,
+    #[serde(default)]
+    lambda: Option<f64>,
+    #[serde(default)]
+    nodes: Vec<Row>,
+    #[serde(default)]
+    measured: Vec<MeasuredRow>,
+    #[serde(default)]
+    constraints: Vec<Row>,
+    #[serde(default)]
+    order: Option<usize>,
+    #[serde(default)]
+    bound: Option<Bound>,
+}
+
+#[derive(Deserialize)]
+#[serde(untagged)]
+enum Bound {
+    Value(f64),
+    Word(String),
+}
+
+#[derive(Deserialize)]
+#[serde(untagged)]
+enum Place {
+    Finite([f64; 2]),
+    Word(String),
+}
+
+type Rows = Vec<Vec<[f64; 2]>>;
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Row {
+    z: Place,
+    values: Vec<Rows>,
+    #[serde(default)]
+    left: Option<Vec<[f64; 2]>>,
+    #[serde(default)]
+    right: Option<Vec<[f64; 2]>>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct MeasuredRow {
+    z: [f64; 2],
+    value: Rows,
+    #[serde(default = "one")]
+    variance: f64,
+}
+
+fn one() -> f64 {
+    1.0
+}
+
+/// The function of a file, and the file's fingerprint.
+///
+/// With `measured` a fit of `order` that meets `constraints`; with `bound` a function of that modulus on the boundary; else the
+/// interpolant of least order, or of `order`.
+///
+/// # Errors
+/// A file that is none, data that contradict themselves or are too few; constraints or a bound that nothing meets.
+pub fn interpolate_file(spec: &InterpolateSpec) -> Result<(InterpolateOutcome, Vec<Input>), StudyError> {
+    let path = &spec.data;
+    let text = read_text(path)?;
+    let file: File =
+        serde_json::from_str(&text).map_err(|e| FileError::content(path, Some(e.line()), e.to_string()))?;
+    let wrong = |message: String| StudyError::from(FileError::content(path, None, message));
+    let refused =
+        |source| StudyError::Interpolation { name: path.display().to_string(), source: Box::new(source) };
+    let domain = match (file.domain.as_str(), file.lambda) {
+        ("disk", None) => Domain::Disk,
+        ("disk", Some(l)) => return Err(wrong(format!("lambda: expected none on the disk, found {l}"))),
+        ("half-plane", Some(lambda_rad_s)) => Domain::HalfPlane { lambda_rad_s },
+        ("half-plane", None) => return Err(wrong("lambda: expected a number above 0, found none".into())),
+        (other, _) => {
+            return Err(wrong(format!("domain: expected \"disk\" or \"half-plane\", found {other:?}")));
+        }
+    };
+    let nodes = |field: &str, rows: &[Row]| -> Result<Vec<Node>, StudyError> {
+        rows.iter()
+            .enumerate()
+            .map(|(k, row)| node(row).map_err(|e| wrong(format!("{field}[{k}].{e}"))))
+            .collect()
+    };
+    let (data, constraints) = (nodes("nodes", &file.nodes)?, nodes("constraints", &file.constraints)?);
+    let mut bound = None;
+    let found = if file.measured.is_empty() {
+        if !constraints.is_empty() {
+            return Err(wrong("constraints: expected measured values to fit beside them, found none".into()));
+        }
+        let data = InterpolationData::new(domain, data).map_err(refused)?;
+        match file.bound {
+            None => interpolate(&data, file.order).map_err(refused)?,
+            Some(asked) => {
+                if let Some(n) = file.order {
+                    return Err(wrong(format!("order: expected none with a bound, found {n}")));
+                }
+                let asked = match asked {
+                    Bound::Value(v) => Some(v),
+                    Bound::Word(w) if w == "least" => None,
+                    Bound::Word(w) => {
+                        return Err(wrong(format!("bound: expected a number or \"least\", found {w:?}")));
+                    }
+                };
+                let found = interpolate_bounded(&data, asked).map_err(refused)?;
+                bound = Some([found.bound, found.least]);
+                found.interpolant
+            }
+        }
+    } else {
+        if !data.is_empty() || file.bound.is_some() {
+            let found = if data.is_empty() { "bound" } else { "nodes" };
+            return Err(wrong(format!(
+                "{found}: expected none beside measured values; exact ones are constraints"
+            )));
+        }
+        let Some(order) = file.order else {
+            return Err(wrong("order: expected a number for measured values, found none".into()));
+        };
+        let measured = measured(&file.measured).map_err(wrong)?;
+        fit_response(domain, &measured, &constraints, order).map_err(refused)?
+    };
+    let outcome = outcome(&found, file.domain, file.lambda, bound);
+    Ok((outcome, vec![Input::of(path.display().to_string(), text.as_bytes())]))
+}
+
+/// Whether other data would help, or the answer is no.
+pub(super) fn is_wrong_input(e: &SubspaceError) -> bool {
+    !matches!(
+        e,
+        SubspaceError::Constraints { .. }
+            | SubspaceError::Bound { .. }
+            | SubspaceError::Improper { .. }
+            | SubspaceError::Linalg(_)
+            | SubspaceError::Lti(_)
+    )
+}
+
+fn outcome(
+    found: &Interpolant,
+    domain: String,
+    lambda: Option<f64>,
+    bound: Option<[f64; 2]>,
+) -> InterpolateOutcome {
+    let rows = |m: &Mat| (0..m.nrows()).map(|i| (0..m.ncols()).map(|j| m[(i, j)]).collect()).collect();
+    let [a, b, c, d] = found.system.matrices().map(rows);
+    let (status, why) = if !found.meets_its_data() {
+        let why = format!(
+            "the function of order {} misses the data by {:.1e} of their size",
+            found.order, found.max_error
+        );
+        (InterpolateStatus::NotMet, Some(why))
+    } else if !found.stable {
+        let region = if lambda.is_some() { "right half plane" } else { "outside of the unit circle" };
+        let why = format!("the function of order {} has a pole in the {region} or on its edge", found.order);
+        (InterpolateStatus::NotStable, Some(why))
+    } else {
+        (InterpolateStatus::Found, None)
+    };
+    InterpolateOutcome {
+        status,
+        why,
+        domain,
+        lambda,
+        order: found.order,
+        a,
+        b,
+        c,
+        d,
+        singular_values: found.singular_values.clone(),
+        max_error: found.max_error,
+        stable: found.stable,
+        bound,
+    }
+}
+
+fn number(x: [f64; 2]) -> C64 {
+    C64::new(x[0], x[1])
+}
+
+fn matrix(rows: &Rows) -> Result<CMat, String> {
+    let columns = rows.first().map_or(0, Vec::len);
+    match rows.iter().find(|r| r.len() != columns || columns == 0) {
+        Some(row) => {
+            Err(format!("expected rows of {} numbers [re, im], found {}", columns.max(1), row.len()))
+        }
+        None if rows.is_empty() => Err("expected rows of numbers [re, im], found none".into()),
+        None => Ok(CMat::from_fn(rows.len(), columns, |i, j| number(rows[i][j]))),
+    }
+}
+
+fn node(row: &Row) -> Result<Node, String> {
+    let z = match &row.z {
+        Place::Finite(z) => Point::Finite(number(*z)),
+        Place::Word(w) if w == "infinity" => Point::Infinity,
+        Place::Word(w) => return Err(format!("z: expected [re, im] or \"infinity\", found {w:?}")),
+    };
+    let direction = |v: &[[f64; 2]]| v.iter().map(|x| number(*x)).collect();
+    let side = match (&row.left, &row.right) {
+        (None, None) => Side::Full,
+        (Some(v), None) => Side::Left(direction(v)),
+        (None, Some(u)) => Side::Right(direction(u)),
+        (Some(_), Some(_)) => return Err("left: expected one direction, found left and right".into()),
+    };
+    let values = row.values.iter().enumerate();
+    let values =
+        values.map(|(k, v)| matrix(v).map_err(|e| format!("values[{k}]: {e}"))).collect::<Result<_, _>>()?;
+    Ok(Node { z, values, side })
+}
+
+fn measured(rows: &[MeasuredRow]) -> Result<Vec<Measured>, String> {
+    let one = |(k, row): (usize, &MeasuredRow)| {
+        let value = matrix(&row.value).map_err(|e| format!("measured[{k}].value: {e}"))?;
+        Ok(Measured { z: number(row.z), value, variance: row.variance })
+    };
+    rows.iter().enumerate().map(one).collect()
+}
+
+/// Refuses to write a result over its own data.
+///
+/// # Errors
+/// The same file twice.
+pub fn check_interpolation_target(data: &Path, output: &Path) -> Result<(), StudyError> {
+    let same = |a: &Path, b: &Path| match (a.canonicalize(), b.canonicalize()) {
+        (Ok(a), Ok(b)) => a == b,
+        _ => false,
+    };
+    if same(data, output) {
+        let (expected, found) = ("another file than the data".to_owned(), output.display().to_string());
+        return Err(StudyError::Setting { field: "output", expected, found });
+    }
+    Ok(())
+}
