@@ -383,7 +383,7 @@ fn wrong_files_are_answered_with_their_line() {
         ),
         (RoadFitSpec { output: Some(folder.0.join("F.csv")), ..source(file.clone()) }, "ends in .toml"),
         (RoadFitSpec { segment_m: Some(1.0), ..source(file.clone()) }, "segment_m: expected none"),
-        (source("case:turkay-first-order"), "band: expected the band to fit"),
+        (source("case:turkay-first-order"), "band: expected --band LOW,HIGH in rad/m"),
         (
             RoadFitSpec { band_rad: Some([0.001, 1.0]), ..source("case:iso8608-c") },
             "a part of the road's own band",

@@ -245,7 +245,9 @@ pub enum SubspaceError {
         off: f64,
     },
     /// A bound that no function through the data has.
-    #[error("bound {bound}: no stable function through the data is below {least} everywhere on the boundary")]
+    #[error(
+        "bound {bound}: no stable function through the data is below {least:.6e} everywhere on the boundary"
+    )]
     Bound {
         /// What was asked for.
         bound: f64,

@@ -123,6 +123,7 @@ fn the_error_goes_with_the_root_of_the_data() {
             assert!(found.stable && found.max_error < 1e-9, "{seed} {count}: {:e}", found.max_error);
             worst(&found)
         });
+        println!("{seed}: {errors:?}");
         assert!(errors[3] < errors[0] / 2.0, "{seed}: {errors:?}");
         means.iter_mut().zip(errors).for_each(|(m, e)| *m += e / 6.0);
     }

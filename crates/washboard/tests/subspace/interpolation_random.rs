@@ -94,7 +94,7 @@ fn full_data_of_every_order_and_shape() {
             }
         }
     }
-    assert!(told >= 118, "{told} of 120");
+    assert!(told >= 119, "{told} of 120");
     println!("{told} of 120 orders, at the nodes {worst:e}, on the boundary {worst_elsewhere:e}");
 }
 

@@ -13,6 +13,8 @@ pub(super) enum Kind {
     Powers,
     /// Orthonormal over the weighted nodes, by Arnoldi's process on multiplication by w.
     Orthogonal,
+    /// Orthonormal over the nodes alone: noise that weights have made alike then is alike in every block row.
+    White,
 }
 
 /// φ_i at condition k: Taylor coefficients, and w φ_i = Σ_j h_ji φ_j.
@@ -32,18 +34,19 @@ impl Basis {
             .iter()
             .map(|c| (0..c.series.len()).map(|l| C64::new(f64::from(u8::from(l == 0)), 0.0)).collect())
             .collect();
-        let length = |phi: &Vec<Vec<C64>>| product(conditions, phi, phi).sqrt();
+        let product = |phi: &[Vec<C64>], psi: &[Vec<C64>]| product(conditions, phi, psi, kind);
+        let length = |phi: &Vec<Vec<C64>>| product(phi, phi).sqrt();
         let first = if kind == Kind::Powers { 1.0 } else { 1.0 / length(&one) };
         let mut phi = vec![scaled(&one, first)];
         let mut recurrence = Mat::zeros(q, q.max(1) - 1);
         for i in 0..q.max(1) - 1 {
             let mut next = times_w(conditions, &phi[i]);
-            if kind == Kind::Orthogonal {
+            if kind != Kind::Powers {
                 let before = length(&next);
                 // twice is enough
                 for _ in 0..2 {
                     for (j, phi) in phi.iter().enumerate() {
-                        let h = product(conditions, phi, &next);
+                        let h = product(phi, &next);
                         recurrence[(j, i)] += h;
                         subtract(&mut next, h, phi);
                     }
@@ -86,11 +89,12 @@ fn subtract(from: &mut [Vec<C64>], h: f64, phi: &[Vec<C64>]) {
     }
 }
 
-/// Re Σ s² φ̄ ψ.
-fn product(conditions: &[Condition], phi: &[Vec<C64>], psi: &[Vec<C64>]) -> f64 {
+/// Re Σ s² φ̄ ψ; s = 1 for white noise.
+fn product(conditions: &[Condition], phi: &[Vec<C64>], psi: &[Vec<C64>], kind: Kind) -> f64 {
     let mut sum = 0.0;
     for ((c, f), g) in conditions.iter().zip(phi).zip(psi) {
         for ((f, g), s) in f.iter().zip(g).zip(&c.weights) {
+            let s = if kind == Kind::White { 1.0 } else { *s };
             sum += s * s * (f.re * g.re + f.im * g.im);
         }
     }

@@ -26,8 +26,8 @@ pub struct Measured {
 
 /// A model of order n of measured responses that meets its constraints exactly.
 ///
-/// A and C are those of the data by the projection of algorithm 3.1.1, in polynomials that are orthonormal over the frequencies with
-/// weights 1/variance, so that the noise of every block row is alike; B and D are weighted least squares on the affine set (3.73)
+/// A and C are those of the data by the projection of algorithm 3.1.1, each response over its noise's deviation, in polynomials that are
+/// orthonormal over the frequencies, so that the noise of every block row is alike; B and D are weighted least squares on the affine set (3.73)
 /// that the constraints leave, found by its null space. With independent noise and distinct frequencies that fill their band the model
 /// tends to G with probability one.
 ///
@@ -73,7 +73,7 @@ pub fn fit_response(
             (most.min(q.saturating_sub(1)), order - most.min(order.min(q.saturating_sub(1))));
         return Err(SubspaceError::TooLittleData { rank, most, missing });
     }
-    let range = Range::new(&data, (p, m), q, Kind::Orthogonal)?;
+    let range = Range::new(&data, (p, m), q, Kind::White)?;
     let (a, c) = poles(&range, p, order)?;
     let (b, d) = inputs(&data, &exact, (&a, &c), m)?;
     let checked = InterpolationData { domain, outputs: p, inputs: m, nodes: constraints.to_vec() };
