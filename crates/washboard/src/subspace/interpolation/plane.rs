@@ -138,7 +138,7 @@ mod tests {
     fn the_series_of_s_is_the_notes() {
         let (lambda, s) = (3.0, C64::new(0.7, 1.9));
         let map = Mobius::to_disk(Domain::HalfPlane { lambda_rad_s: lambda });
-        let z = map.point(Point::Finite(s)).unwrap_or_default();
+        let z = map.point(Point::Finite(s)).unwrap();
         assert!(((z - 1.0) / (z + 1.0) * lambda - s).norm() < 1e-14);
         let one = |x: C64| CMat::from_fn(1, 1, |_, _| x);
         let zero = C64::new(0.0, 0.0);
