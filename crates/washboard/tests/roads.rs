@@ -371,7 +371,7 @@ fn wrong_files_are_answered_with_their_line() {
             RoadFitSpec { order: Some(9), ..source(file.clone()) },
             "order: expected at most 2 of 5 frequencies, found 9",
         ),
-        (RoadFitSpec { order: Some(0), ..source(file.clone()) }, "order: expected a number from 1 to 200"),
+        (RoadFitSpec { order: Some(0), ..source(file.clone()) }, "order: expected a number from 1 to 40"),
         (
             RoadFitSpec { lambda_rad: Some(-1.0), ..source(file.clone()) },
             "lambda: expected a positive number",

@@ -158,12 +158,13 @@ fn check(x: &[f64], y: &[f64], settings: &IriSettings) -> Result<f64, MetricsErr
     if !(length >= FIRST_M) {
         return fail("length", "11 m or more, over which the car starts", format!("{length} m"));
     }
+    let step = length / (x.len() - 1).max(1) as f64;
     if let Some(s) = settings.segment_m
-        && !(s > 0.0 && s <= length + SAME_STEP_M)
+        && !(s >= step && s <= length + SAME_STEP_M)
     {
         return fail(
             "segment_m",
-            &format!("a length above 0, at most the profile's {length} m"),
+            &format!("a length of at least a step ({step:.4} m), at most the profile's {length} m"),
             s.to_string(),
         );
     }

@@ -15,6 +15,10 @@ use std::path::PathBuf;
 
 /// The largest order that is tried where none is given.
 const MOST_ORDER: usize = 10;
+/// Errors of the logarithm (log₁₀, rms) under relative weights above which a filter is none: a factor of three.
+const LOST: f64 = 0.5;
+/// Orders and block rows at most.
+const MOST: usize = 40;
 
 /// A shaping filter, and how near it comes to what it was fitted to.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -61,6 +65,8 @@ pub struct RoadFitOutcome {
     pub lambda: f64,
     /// p.
     pub p: usize,
+    /// Whether the filter follows the samples; if not, no file is written.
+    pub usable: bool,
     /// How noisy the samples were taken to be: `none`, `relative`, `relative2` or `given` (a column weight).
     pub weight: String,
     /// Corner of the low-pass that makes the filter strictly proper.
@@ -172,12 +178,20 @@ pub fn road_fit(spec: &RoadFitSpec) -> Result<RoadFitRun, StudyError> {
         orders,
         spectrum,
         notes: std::mem::take(&mut samples.notes),
+        usable: true,
         file: spec.output.as_ref().map(|p| p.display().to_string()),
     };
+    // equal and given weights may leave small densities aside on purpose
+    outcome.usable = weight != "relative2" || outcome.log10_rms_error <= LOST;
+    if !outcome.usable {
+        outcome.file = None;
+    }
     outcome.notes.extend(notes(&outcome, &filter));
     let file = match &spec.output {
-        Some(path) => Some((path.clone(), filter_file(path, &outcome, &samples, &spec.source)?)),
-        None => None,
+        Some(path) if outcome.usable => {
+            Some((path.clone(), filter_file(path, &outcome, &samples, &spec.source)?))
+        }
+        _ => None,
     };
     Ok(RoadFitRun { outcome, file, inputs: samples.inputs })
 }
@@ -196,9 +210,11 @@ fn check_settings(spec: &RoadFitSpec) -> Result<(), StudyError> {
             return setting(field, "a positive number", v.to_string());
         }
     }
-    for (field, value) in [("order", spec.order), ("max_order", spec.max_order), ("p", spec.block_rows)] {
-        if value.is_some_and(|v| !(1..=200).contains(&v)) {
-            return setting(field, "a number from 1 to 200", value.unwrap_or(0).to_string());
+    for (field, value, most) in
+        [("order", spec.order, MOST), ("max_order", spec.max_order, MOST), ("p", spec.block_rows, 5 * MOST)]
+    {
+        if value.is_some_and(|v| !(1..=most).contains(&v)) {
+            return setting(field, &format!("a number from 1 to {most}"), value.unwrap_or(0).to_string());
         }
     }
     if spec.order.is_some() && spec.max_order.is_some() {

@@ -83,7 +83,15 @@ pub(super) fn notes(o: &RoadFitOutcome, filter: &RoadFilter) -> Vec<Flag> {
         }
         _ => {}
     }
-    if !(o.log10_rms_error <= ROUGH) {
+    if !o.usable {
+        note(
+            "not-followed",
+            format!(
+                "no filter that follows the samples was found: densities are off by a factor {:.2} (rms). Nothing is written; narrow --band, give --order, smooth the spectrum, or weigh it otherwise (--weight)",
+                10f64.powf(o.log10_rms_error)
+            ),
+        );
+    } else if !(o.log10_rms_error <= ROUGH) {
         note(
             "rough",
             format!(

@@ -125,15 +125,25 @@ pub fn fit_shape(omega_rad: &[f64], s: &[CMat], settings: &ShapeSettings) -> Res
         Order::Given(n) | Order::AtMost(n) => n,
     };
     let m = samples.size();
-    let block_rows = settings.block_rows.unwrap_or_else(|| default_rows(&samples, most, m));
-    let on_circle = SpectrumSettings {
-        order: settings.order,
-        block_rows,
-        unpaired: settings.unpaired,
-        moments: true,
-        dt_s: 1.0,
+    let mut block_rows = settings.block_rows.unwrap_or_else(|| default_rows(&samples, most, m));
+    let model = loop {
+        let on_circle = SpectrumSettings {
+            order: settings.order,
+            block_rows,
+            unpaired: settings.unpaired,
+            moments: true,
+            dt_s: 1.0,
+        };
+        match fit_spectrum(&samples, &on_circle) {
+            // frequencies so close on the circle that fewer rows are told apart
+            Err(SubspaceError::Field { field: "p", .. })
+                if settings.block_rows.is_none() && block_rows > least_rows(most, m) =>
+            {
+                block_rows = (block_rows * 2 / 3).max(least_rows(most, m));
+            }
+            other => break other?,
+        }
     };
-    let model = fit_spectrum(&samples, &on_circle)?;
     let plain = model.factor.system.inverse_bilinear(lambda)?;
     let filter = match settings.roll_off_rad {
         Some(corner) => plain.series(&low_pass(m, corner)?)?,
@@ -193,8 +203,11 @@ fn check_frequencies(omega: &[f64]) -> Result<(), SubspaceError> {
 /// Half of the block rows that the samples allow, so that as many equations are left over; 64 at most, enough for the order.
 fn default_rows(samples: &Samples, order: usize, m: usize) -> usize {
     let most = samples.independent().saturating_sub((2 * order).div_ceil(m));
-    let least = (2 * order).div_ceil(m) + 1;
-    (most / 2).min(64).max(least).min(most.max(1))
+    (most / 2).min(64).max(least_rows(order, m)).min(most.max(1))
+}
+
+fn least_rows(order: usize, m: usize) -> usize {
+    (2 * order).div_ceil(m) + 1
 }
 
 /// ω_r/(s + ω_r) on every channel.

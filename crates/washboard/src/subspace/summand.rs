@@ -266,9 +266,11 @@ impl LeastSquares {
         }
         let triangle = r.submatrix(0, 0, unknowns, unknowns).to_owned();
         let largest = (0..unknowns).map(|i| triangle[(i, i)].abs()).fold(0.0, f64::max);
-        if (0..unknowns).any(|i| !(triangle[(i, i)].abs() > f64::EPSILON * largest)) {
-            let (needed, found) = (unknowns, samples.independent() * m * m);
-            return Err(SubspaceError::TooFew { order: n, block_rows: 0, needed, found });
+        let least = (0..unknowns).map(|i| triangle[(i, i)].abs()).fold(f64::INFINITY, f64::min);
+        if !(least > f64::EPSILON * largest) {
+            let (what, value) = ("the least squares for E and F", least / largest);
+            let why = "the samples do not tell its poles apart (an order higher than that of exact data), smallest over largest pivot";
+            return Err(LinalgError::Singular { what, why, value }.into());
         }
         let mut x = r.submatrix(0, unknowns, unknowns, 1).to_owned();
         triangle.as_ref().solve_upper_triangular_in_place(x.as_mut());

@@ -85,8 +85,9 @@ pub fn run(a: Arguments, output: Output) -> Result<ExitCode, Failure> {
     if let Some(file) = &run.file {
         write_files(std::slice::from_ref(file))?;
     }
+    let usable = run.outcome.usable;
     output.print(&Envelope::new("road fit", run.inputs, run.outcome), table)?;
-    Ok(ExitCode::SUCCESS)
+    Ok(if usable { ExitCode::SUCCESS } else { ExitCode::from(1) })
 }
 
 /// The filter, how near it comes, and how its order was chosen.
