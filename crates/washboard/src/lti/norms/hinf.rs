@@ -11,7 +11,7 @@ const ACCURACY: f64 = 1e-7;
 /// An eigenvalue this near to the axis, as a share of its size, may be on it but for rounding: G is looked at there.
 const NEAR_AXIS: f64 = 1e-2;
 /// Peaks that reach this share of the highest value seen are climbed before any Hamiltonian.
-const CLIMBED: f64 = 0.7;
+const CLIMBED: f64 = 0.85;
 /// Peaks climbed at most, the highest first.
 const MOST_CLIMBED: usize = 6;
 /// Levels, at most: each one is above a peak that had not been seen.
