@@ -26,6 +26,7 @@ mod envelope;
 mod error;
 mod fit_generic;
 mod identify;
+mod identify_agreement;
 mod identify_evidence;
 mod identify_operational;
 mod identify_outcome;
