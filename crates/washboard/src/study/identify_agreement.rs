@@ -37,6 +37,14 @@ pub(super) fn differences(
     };
     for mode in modes {
         let (f_sd, zeta_sd) = (mode.freq_sd_hz.unwrap_or(0.0), mode.damping_sd.unwrap_or(0.0));
+        let near = |m: &IdentifiedMode| {
+            (mode.freq_hz - m.freq_hz).abs() <= DEVIATIONS * f_sd + SHARE * m.freq_hz
+                && (mode.damping - m.damping).abs() <= DEVIATIONS * zeta_sd + SHARE
+        };
+        // shapes of wheel hops mix, and labels with them: any mode of the car will do
+        if car.modes.iter().any(near) {
+            continue;
+        }
         match car.modes.iter().find(|m| m.label == mode.label) {
             Some(m) => {
                 check(&mode.label, " Hz", [mode.freq_hz, f_sd, m.freq_hz], SHARE * m.freq_hz);
@@ -111,6 +119,8 @@ mod tests {
         let text = find(1.1, 0.3, 5.7).unwrap();
         assert!(text.contains("μ 5.70 ± 0.400 against 7.00;"), "{text}");
         assert!(find(f64::NAN, 0.3, 7.0).is_some());
+        // at heave's place, whatever its name
+        assert_eq!(find(1.0, 0.3, 7.0), None);
     }
 
     #[test]

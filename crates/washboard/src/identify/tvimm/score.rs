@@ -57,7 +57,7 @@ type Slope = Vec<(usize, f64)>;
 /// What is known before any data, in standard deviations, and its slopes: the static plane, and the delay of the rear
 /// wheels, which is wheelbase over speed as well as these were stated. Data with sensors on all wheels know the delay to
 /// 10⁻⁴; with few sensors it is free to bend other modes and μ by as much as it may move.
-fn known(model: &FreeModel, at: &Point) -> Option<(Vec<f64>, Vec<Slope>)> {
+pub(super) fn known(model: &FreeModel, at: &Point) -> Option<(Vec<f64>, Vec<Slope>)> {
     let (mut residuals, mut slopes) = plane(model, at)?;
     residuals.push(at.road.ln_delay / SPEED_SD);
     slopes.push(vec![(Entries::of(&at.system).len() + 3, 1.0 / SPEED_SD)]);
