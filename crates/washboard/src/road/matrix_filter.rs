@@ -46,7 +46,8 @@ impl MatrixFilter {
             let found = format!("{} names for {m} rows of c", points.len());
             return Err(RoadError::Field { field: "points", expected: "one name a row of c", found });
         }
-        if let Some(name) = points.iter().enumerate().find(|(i, p)| points[..*i].contains(p)).map(|(_, p)| p) {
+        if let Some(name) = points.iter().enumerate().find(|(i, p)| points[..*i].contains(p)).map(|(_, p)| p)
+        {
             let found = format!("`{name}` twice");
             return Err(RoadError::Field { field: "points", expected: "every name once", found });
         }

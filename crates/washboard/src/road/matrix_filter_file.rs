@@ -80,9 +80,7 @@ impl MatrixFilterSpec {
         let b = matrix("b", "as many rows as a, of one length, finite", &self.b, [n, noises])?;
         let c = matrix("c", "rows as long as a, finite", &self.c, [m, n])?;
         let d = match &self.d {
-            Some(d) => {
-                matrix("d", "as many rows as c, as long as those of b, finite", d, [m, noises])?
-            }
+            Some(d) => matrix("d", "as many rows as c, as long as those of b, finite", d, [m, noises])?,
             None => Mat::zeros(m, noises),
         };
         let system = StateSpace::continuous(a, b, c, d).map_err(|e| RoadError::Field {
@@ -135,7 +133,10 @@ mod tests {
     fn a_file_is_written_and_read_back_to_the_last_bit() {
         let (spec, filter) = MatrixFilterSpec::parse(TWO, Path::new("f.toml")).unwrap();
         assert!(MatrixFilterSpec::is_meant(TWO));
-        assert!(MatrixFilterSpec::is_meant("kind = \"matrix-fliter\"") && !MatrixFilterSpec::is_meant("kind = \"filter\""));
+        assert!(
+            MatrixFilterSpec::is_meant("kind = \"matrix-fliter\"")
+                && !MatrixFilterSpec::is_meant("kind = \"filter\"")
+        );
         let text = toml::to_string(&spec).unwrap();
         assert_eq!(parse(&text).unwrap(), filter);
         assert_eq!((filter.size(), filter.band_rad()), (2, Some([0.1, 50.0])));
@@ -193,15 +194,43 @@ mod tests {
     #[test]
     fn wrong_files_are_refused_by_field() {
         for (from, to, expected) in [
-            ("[-1.0, 0.5]", "[1.0, 0.5]", "a: expected a stable filter (all poles with negative real part), found a pole with real part 1"),
-            ("[-1.0, 0.5]", "[nan, 0.5]", "a: expected a square matrix of finite numbers, found NaN in row 1"),
-            ("[-1.0, 0.5]", "[-1.0]", "a: expected a square matrix of finite numbers, found 1 numbers in row 1 where 2 belong"),
-            ("b = [[1.0, 0.0], ", "b = [", "b: expected as many rows as a, of one length, finite, found 1 rows where 2 belong"),
-            ("c = [[1.0, 0.0], ", "c = [[1.0], ", "c: expected rows as long as a, finite, found 1 numbers in row 1 where 2 belong"),
-            ("points = [\"l\", ", "points = [", "points: expected one name a row of c, found 1 names for 2 rows of c"),
+            (
+                "[-1.0, 0.5]",
+                "[1.0, 0.5]",
+                "a: expected a stable filter (all poles with negative real part), found a pole with real part 1",
+            ),
+            (
+                "[-1.0, 0.5]",
+                "[nan, 0.5]",
+                "a: expected a square matrix of finite numbers, found NaN in row 1",
+            ),
+            (
+                "[-1.0, 0.5]",
+                "[-1.0]",
+                "a: expected a square matrix of finite numbers, found 1 numbers in row 1 where 2 belong",
+            ),
+            (
+                "b = [[1.0, 0.0], ",
+                "b = [",
+                "b: expected as many rows as a, of one length, finite, found 1 rows where 2 belong",
+            ),
+            (
+                "c = [[1.0, 0.0], ",
+                "c = [[1.0], ",
+                "c: expected rows as long as a, finite, found 1 numbers in row 1 where 2 belong",
+            ),
+            (
+                "points = [\"l\", ",
+                "points = [",
+                "points: expected one name a row of c, found 1 names for 2 rows of c",
+            ),
             ("\"l\", \"r\"", "\"l\", \"l\"", "points: expected every name once, found `l` twice"),
             ("[0.1, 50.0]", "[50.0, 0.1]", "fitted_band_rad: expected two ascending frequencies"),
-            ("c = [[1.0, 0.0], [0.2, 1.0]]", "c = [[1.0, 0.0], [0.2, 1.0]]\nd = [[0.0, 0.0]]", "d: expected as many rows as c"),
+            (
+                "c = [[1.0, 0.0], [0.2, 1.0]]",
+                "c = [[1.0, 0.0], [0.2, 1.0]]\nd = [[0.0, 0.0]]",
+                "d: expected as many rows as c",
+            ),
             ("of = \"displacement\"\n", "", "missing field `of`"),
             ("points", "point", "unknown field `point`"),
         ] {

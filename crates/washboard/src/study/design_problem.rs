@@ -140,7 +140,17 @@ impl Problem {
             goals.push(GoalBlock { name: name.to_owned(), members, weight: *weight, passive });
         }
         let inputs = loaded.inputs.into_iter().chain(road_inputs).collect();
-        Ok(Problem { spec: spec.clone(), file, vehicle, ground, reported, measurements, goals, plant, inputs })
+        Ok(Problem {
+            spec: spec.clone(),
+            file,
+            vehicle,
+            ground,
+            reported,
+            measurements,
+            goals,
+            plant,
+            inputs,
+        })
     }
 
     /// The plant whose performances are the goals, weighted over their passive norms.

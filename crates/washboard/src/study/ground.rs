@@ -85,7 +85,11 @@ pub(super) fn ground(
         standing: Standing::Points(filter.filter.clone()),
         fitted_band_rad_s: None,
         at_points,
-        notes: own_speed(&filter.name, !filter.filter.is_over_distance(), "nothing in this result follows it"),
+        notes: own_speed(
+            &filter.name,
+            !filter.filter.is_over_distance(),
+            "nothing in this result follows it",
+        ),
     };
     let vehicle = ground
         .vehicle(&loaded.spec, loaded.chassis.as_ref())
@@ -104,14 +108,20 @@ pub(super) fn ground(
         note("chassis-points", text);
     }
     if named.is_empty() {
-        note("points-in-order", format!("the points of {} have no names: they are taken as {list}", filter.name));
+        note(
+            "points-in-order",
+            format!("the points of {} have no names: they are taken as {list}", filter.name),
+        );
     }
     Ok((ground, vehicle, filter.inputs))
 }
 
 /// A filter over time is of one speed.
 fn own_speed(name: &str, over_time: bool, rest: &str) -> Vec<Flag> {
-    let text =
-        || format!("{name} is over time, of the speed at which its data was taken: speed_m_s does not change it, {rest}");
+    let text = || {
+        format!(
+            "{name} is over time, of the speed at which its data was taken: speed_m_s does not change it, {rest}"
+        )
+    };
     over_time.then(|| Flag { name: "own-speed".into(), text: text() }).into_iter().collect()
 }

@@ -152,7 +152,8 @@ fn beyond(
             sums.insert(name, [a + within, b + whole]);
         }
     }
-    let share = sums.iter().map(|(n, [within, whole])| (n.to_owned(), (1.0 - within / whole).clamp(0.0, 1.0)));
+    let share =
+        sums.iter().map(|(n, [within, whole])| (n.to_owned(), (1.0 - within / whole).clamp(0.0, 1.0)));
     Ok(BeyondBand { band_hz: band_rad_s.map(hz), share: share.collect() })
 }
 

@@ -69,7 +69,8 @@ impl Driven {
         let own = (filter.c.clone(), filter.d.clone());
         let first = slope(&own.0, filter);
         let second = slope(&first.0, filter);
-        let derivatives = if velocity { [None, Some(own), Some(first)] } else { [Some(own), Some(first), Some(second)] };
+        let derivatives =
+            if velocity { [None, Some(own), Some(first)] } else { [Some(own), Some(first), Some(second)] };
         let none = (Mat::zeros(w, nf), Mat::zeros(w, nx));
         let [height_cd, rate_cd, _] = &derivatives;
         let ((height_c, height_d), (rate_c, rate_d)) =

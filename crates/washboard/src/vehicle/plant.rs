@@ -71,7 +71,9 @@ pub enum PlantError {
         output: String,
     },
     /// A filter of other road inputs than the vehicle's.
-    #[error("the road: expected a filter of {expected} points, as many as the vehicle has road inputs, found {found}")]
+    #[error(
+        "the road: expected a filter of {expected} points, as many as the vehicle has road inputs, found {found}"
+    )]
     Points {
         /// Wheels.
         expected: usize,

@@ -191,7 +191,11 @@ impl TruckCabin {
             dofs: BODY.map(str::to_owned).into(),
             wheel_stiffness: under_spring,
             wheel_damping: under_damper,
-            wheels: CORNERS.iter().zip(at).map(|(c, at_m)| Wheel { name: format!("chassis_{c}"), at_m }).collect(),
+            wheels: CORNERS
+                .iter()
+                .zip(at)
+                .map(|(c, at_m)| Wheel { name: format!("chassis_{c}"), at_m })
+                .collect(),
             outputs,
             actuators: actuators(&psi, 3),
             patterns: BODY.iter().enumerate().map(|(i, l)| ((*l).into(), unit(i))).collect(),

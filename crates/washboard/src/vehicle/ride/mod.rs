@@ -24,7 +24,9 @@ pub enum RideError {
     #[error("the vehicle has no wheels: a road cannot drive it")]
     NoWheels,
     /// A filter of other road inputs than the vehicle's.
-    #[error("the road: expected a filter of {expected} points, as many as the vehicle has road inputs, found {found}")]
+    #[error(
+        "the road: expected a filter of {expected} points, as many as the vehicle has road inputs, found {found}"
+    )]
     Points {
         /// Wheels.
         expected: usize,

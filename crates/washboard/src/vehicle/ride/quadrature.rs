@@ -10,6 +10,8 @@ use std::f64::consts::{PI, TAU};
 const QUADRATURE_TOLERANCE: f64 = 1e-9;
 /// Relative accuracy of the size that cancellations are judged by.
 const ROUGH_TOLERANCE: f64 = 1e-3;
+/// Sizes that cancellations are judged by count from this share of the slowest mode's frequency on.
+const SIZED_FROM: f64 = 0.01;
 /// Relative accuracy of a band's part.
 const BAND_TOLERANCE: f64 = 1e-6;
 /// Relative accuracy of the tail beyond, itself a small share of the whole.
@@ -208,9 +210,11 @@ impl Ride<'_> {
             return Ok(Vec::new());
         }
         let apart = Ride { apart: true, ..self.clone() };
-        let size = apart.integrate_to(outputs, ROUGH_TOLERANCE, &[])?.values;
+        // heights that wander belong together in some outputs: each alone has no size at rest
+        let from = SIZED_FROM * self.slowest()?;
+        let size = apart.integrate_to(outputs, from, ROUGH_TOLERANCE, &[])?.values;
         let floor: Vec<f64> = size.iter().map(|v| CANCELLED_VARIANCE * v).collect();
-        let total = self.integrate_to(outputs, QUADRATURE_TOLERANCE, &floor)?;
+        let total = self.integrate_to(outputs, 0.0, QUADRATURE_TOLERANCE, &floor)?;
         for (i, output) in outputs.iter().enumerate() {
             let reached = total.errors[i] / total.values[i].abs().max(floor[i]).max(f64::MIN_POSITIVE);
             // the estimate of the Gauss–Kronrod pair is pessimistic by orders of magnitude
@@ -222,7 +226,21 @@ impl Ride<'_> {
         Ok(total.values.iter().zip(floor).map(|(v, f)| if *v <= f { 0.0 } else { v / PI }).collect())
     }
 
-    fn integrate_to(&self, outputs: &[&Output], relative: f64, floor: &[f64]) -> Result<Integral, RideError> {
+    /// The slowest mode of the vehicle itself that is no rigid motion, rad/s.
+    fn slowest(&self) -> Result<f64, RideError> {
+        let passive = Ride { control: None, ..self.clone() };
+        let sizes: Vec<f64> = passive.poles()?.iter().map(|p| p.norm()).collect();
+        let fastest = sizes.iter().copied().fold(0.0, f64::max);
+        Ok(sizes.into_iter().filter(|p| *p > 1e-6 * fastest).fold(fastest, f64::min))
+    }
+
+    fn integrate_to(
+        &self,
+        outputs: &[&Output],
+        from: f64,
+        relative: f64,
+        floor: &[f64],
+    ) -> Result<Integral, RideError> {
         let n = outputs.len();
         let mut failed = None;
         let mut diagonal = |omega: f64, out: &mut [f64], averaged: bool| {
@@ -230,7 +248,11 @@ impl Ride<'_> {
                 failed = Some(e);
             }
         };
-        let points = self.breakpoints(0.0);
+        let mut points = self.breakpoints(0.0);
+        if points.first().is_some_and(|p| *p < from) && points.last().is_some_and(|p| *p > from) {
+            points.retain(|p| *p > from);
+            points.insert(0, from);
+        }
         let mut total =
             integrate(|w, out| diagonal(w, out, false), n, &points, relative, floor, MAX_EVALUATIONS);
         let (tail, unbounded) = self.tail();
