@@ -196,3 +196,21 @@ fn a_wrong_number_of_points_is_refused_with_both() {
         assert!(e.contains("expected a filter of 2 points") && e.contains("found 4"), "{e}");
     }
 }
+
+#[test]
+fn a_plant_says_which_output_is_white_or_wanders() {
+    let car = cases::vehicle("guiggiani-full-car").unwrap(); // damped tires
+    let refused = |filter: &MatrixFilter, name: &str| {
+        let settings = PlantSettings {
+            road: filter.into(),
+            speed_m_s: 20.0,
+            disturbance: Disturbance::RoadNoise,
+            delay_order: 4,
+        };
+        car.plant(&[car.output(name).unwrap()], &[], &settings).unwrap_err().to_string()
+    };
+    let e = refused(&apart(4, Some((0.0195, 0.0572)), 0.0), "unsprung_acceleration_rear_left");
+    assert!(e.contains("`unsprung_acceleration_rear_left` contains white noise"), "{e}");
+    let e = refused(&apart(4, None, 0.01), "heave_displacement");
+    assert!(e.contains("`heave_displacement` follows a road height that wanders off"), "{e}");
+}
