@@ -174,31 +174,23 @@ fn rolled(
     let low_pass = StateSpace::continuous(eye(-corner), eye(corner), eye(1.0), Mat::zeros(m, m))?;
     let mut zeros = fit.zeros.clone();
     let mut system = fit.filter.clone();
-    let (mut appended, mut met) = (false, false);
-    for _ in 0..times {
-        met = false;
-        if let Some(without) = without_low_pass(&system, omega, corner)? {
+    let mut appended = false;
+    for pass in 1..=times {
+        // the last of several stays: behind a strictly proper filter it makes C B exactly 0, and no velocity is white
+        let without =
+            if pass == times && times > 1 { None } else { without_low_pass(&system, omega, corner)? };
+        if let Some(without) = without {
             // the zero that the low-pass's pole meets
             let off = |z: &C64| (*z + corner).norm();
             let nearest = (0..zeros.len()).min_by(|a, b| off(&zeros[*a]).total_cmp(&off(&zeros[*b])));
             nearest.map(|k| zeros.remove(k));
-            (system, met) = (without, true);
+            system = without;
         } else {
             system = system.series(&low_pass)?;
             appended = true;
         }
     }
-    if times > 1 && met {
-        system = without_first_markov(&system.balanced_scales()?.0)?;
-    }
     of(system, zeros, high, appended.then_some(corner), fit)
-}
-
-/// C B = 0 where it is so but for rounding, by the nearest B: B − Cᵀ(C Cᵀ)⁻¹ C B. Else a derivative would have white noise.
-fn without_first_markov(g: &StateSpace<Continuous>) -> Result<StateSpace<Continuous>, SubspaceError> {
-    let c = g.c();
-    let b = g.b() - c.transpose() * solve(&(c * c.transpose()), &(c * g.b()))?;
-    Ok(StateSpace::continuous(g.a().clone(), b, c.clone(), g.d().clone())?)
 }
 
 /// G(s) c/(s + c) = C(sI − A)⁻¹B′ + c G(−c)/(s + c) with B′ = c(A + cI)⁻¹B: strictly proper without another state where G(−c) is rounding, as it

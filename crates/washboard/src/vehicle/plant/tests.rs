@@ -1,6 +1,6 @@
 use super::*;
 use crate::linalg::{C64, CMat};
-use crate::road::Coherence;
+use crate::road::{Coherence, Road};
 use crate::vehicle::Ride;
 use crate::vehicle::test_cases as cases;
 
