@@ -169,7 +169,9 @@ mod tests {
         // S(ω) = S(ν)/v at ν = ω/v
         let (one, ten) = (at(1.0, 0.7), at(10.0, 7.0));
         assert!((one[(0, 1)] / 10.0 - ten[(0, 1)]).norm() < 1e-15 * one[(0, 1)].norm());
-        let slope = MatrixFilter { of: Shapes::Velocity, ..filter.clone() };
+        let slope =
+            parse(&TWO.replace("\"time\"", "\"distance\"").replace("\"displacement\"", "\"velocity\""))
+                .unwrap();
         let (one, ten) = (
             slope.over_time(1.0).unwrap().height_spectrum(0.7),
             slope.over_time(10.0).unwrap().height_spectrum(7.0),
