@@ -59,6 +59,9 @@ pub struct RoadSpec {
     pub of: Option<FilterOutput>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub variable: Option<FilterVariable>,
+    /// Band of the data that a filter was fitted to, rad/s, or rad/m over distance.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub fitted_band_rad: Option<[f64; 2]>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub coherence: Option<CoherenceSpec>,
 }
@@ -247,8 +250,10 @@ impl RoadSpec {
                 need("data", table)?
             }
             RoadKind::Filter => {
-                let fields = ["a", "b", "c", "d", "poles", "zeros", "gain", "of", "variable"];
+                let fields =
+                    ["a", "b", "c", "d", "poles", "zeros", "gain", "of", "variable", "fitted_band_rad"];
                 self.only("filter", &fields)?;
+                super::matrix_filter::check_fitted_band(self.fitted_band_rad)?;
                 Spectrum::Filter(self.filter()?)
             }
         };

@@ -25,6 +25,7 @@ mod drives;
 mod envelope;
 mod error;
 mod fit_generic;
+mod ground;
 mod identify;
 mod identify_agreement;
 mod identify_evidence;
@@ -82,11 +83,13 @@ pub use identify_outcome::*;
 pub use interpolation::{
     InterpolateOutcome, InterpolateSpec, InterpolateStatus, check_interpolation_target, interpolate_file,
 };
-pub use load::{LoadedRoad, LoadedVehicle, load_road, load_vehicle};
+pub use load::{
+    LoadedExcitation, LoadedFilter, LoadedRoad, LoadedVehicle, load_excitation, load_road, load_vehicle,
+};
 pub use modes::{ModesOutcome, VehicleMode, VehicleModeKind, modes};
 pub use named::Named;
 pub use respond::{BumpOutcome, Direction, GainsOutcome, RespondOutcome, respond};
-pub use ride::{Infinite, RideOutcome, RideSpectra, Rms, ride};
+pub use ride::{BeyondBand, Infinite, RideOutcome, RideSpectra, Rms, ride};
 pub use road_analytic::{AnalyticSamples, RoadAnalyticOutcome, RoadAnalyticRun, road_analytic};
 pub use road_fit::{FitOrder, FittedSpectrum, RoadFitOutcome, RoadFitRun, road_fit};
 pub use road_fit_source::FitSource;

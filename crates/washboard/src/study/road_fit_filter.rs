@@ -1,6 +1,7 @@
 //! A shaping filter that a road can be (strictly proper where it shapes height), and the choice of its order.
 
 use super::FitOrder;
+use super::road_fit_words::drop;
 use crate::linalg::{C64, CMat, Mat, solve};
 use crate::lti::{Continuous, StateSpace};
 use crate::subspace::{Order, ShapeFit, ShapeSettings, ShapeWeights, SubspaceError, Weights, fit_shape};
@@ -12,6 +13,8 @@ const NEGLIGIBLE: f64 = 1e-8;
 const CORNERS: [f64; 2] = [0.5, 2.0];
 /// Relative errors below this are rounding: a higher order can't be better.
 const EXACT: f64 = 1e-8;
+/// Exact data are followed to this log₁₀ error (rms) by the order that singular values tell: none is better.
+const FOLLOWED: f64 = 1e-6;
 /// A road is followed to this log₁₀ error (rms), where an order is to be chosen.
 pub(super) const ACCURATE: f64 = 0.02;
 
@@ -33,8 +36,8 @@ pub(super) struct RoadFilter {
 pub(super) enum Feedthrough {
     /// It stays.
     Keep,
-    /// A low-pass at this corner, or at one of [`CORNERS`], takes it away.
-    RollOff(Option<f64>),
+    /// A low-pass at this corner, or at one of [`CORNERS`], takes it away; passed this many times.
+    RollOff(Option<f64>, usize),
 }
 
 /// How an order is chosen.
@@ -46,7 +49,14 @@ pub(super) enum Choice {
     Accuracy,
 }
 
-/// The filter of the best order from 1 to `most`, and all that were tried.
+/// What one order gave: its error, and how many singular values stand out.
+struct Attempt {
+    error: f64,
+    told: Option<usize>,
+}
+
+/// The filter of the best order from 1 to `most` (of a matrix: of the multiples of its size, and first of the one that singular
+/// values tell), and all that were tried.
 pub(super) fn choose(
     omega: &[f64],
     s: &[CMat],
@@ -55,30 +65,48 @@ pub(super) fn choose(
     most: usize,
     choice: Choice,
 ) -> Result<(RoadFilter, Vec<FitOrder>), SubspaceError> {
-    let mut tried = Vec::new();
+    let m = s.first().map_or(1, |s| s.nrows());
+    let mut tried: Vec<FitOrder> = Vec::new();
     let mut best: Option<(f64, RoadFilter)> = None;
     let mut failure = None;
-    for order in 1..=most {
-        let one = ShapeSettings { order: Order::Given(order), ..settings.clone() };
-        match fit_filter(omega, s, &one, feedthrough) {
-            Err(e) => {
-                tried.push(FitOrder { order, log10_rms_error: None, bic: None });
-                failure = Some(e);
-            }
-            Ok(filter) => {
-                let error = filter.fit.log10_rms_error;
-                let bic = criterion(&filter, omega, s, &settings.weights)?;
-                tried.push(FitOrder { order, log10_rms_error: Some(error), bic: Some(bic) });
-                let value = if choice == Choice::Criterion { bic } else { error };
-                if best.as_ref().is_none_or(|b| value < b.0) {
-                    best = Some((value, filter));
+    let mut attempt =
+        |order: usize, best: &mut Option<(f64, RoadFilter)>| -> Result<Attempt, SubspaceError> {
+            let one = ShapeSettings { order: Order::Given(order), ..settings.clone() };
+            match fit_filter(omega, s, &one, feedthrough) {
+                Err(e) => {
+                    tried.push(FitOrder { order, log10_rms_error: None, bic: None });
+                    failure = Some(e);
+                    Ok(Attempt { error: f64::INFINITY, told: None })
                 }
-                if choice == Choice::Accuracy && error < ACCURATE {
-                    break;
+                Ok(filter) => {
+                    let error = filter.fit.log10_rms_error;
+                    let told = drop(&filter.fit.model.singular_values);
+                    let bic = criterion(&filter, omega, s, &settings.weights)?;
+                    tried.push(FitOrder { order, log10_rms_error: Some(error), bic: Some(bic) });
+                    let value = if choice == Choice::Criterion { bic } else { error };
+                    if best.as_ref().is_none_or(|b| value < b.0) {
+                        *best = Some((value, filter));
+                    }
+                    Ok(Attempt { error, told })
                 }
             }
+        };
+    // as many states more for every channel, or one step after another
+    for order in (m..=most).step_by(m) {
+        let found = attempt(order, &mut best)?;
+        if choice == Choice::Accuracy && found.error < ACCURATE {
+            break;
+        }
+        // of exact data singular values tell the order, 2n of them: a matrix's is beyond many that are slow to try
+        let told = found.told.map(|k| k / 2).filter(|n| m > 1 && order == m && (m + 1..=most).contains(n));
+        if let Some(n) = told
+            && attempt(n, &mut best)?.error < FOLLOWED
+        {
+            break;
         }
     }
+    tried.sort_by_key(|t| t.order);
+    tried.dedup_by_key(|t| t.order);
     match (best, failure) {
         (Some((_, filter)), _) => Ok((filter, tried)),
         (None, Some(e)) => Err(e),
@@ -89,7 +117,7 @@ pub(super) fn choose(
     }
 }
 
-/// Fits the samples. Where no feedthrough may be, S(1 + ω²/ω_r²) is fitted and followed by ω_r/(s + ω_r): the low-pass bends nothing within the
+/// Fits the samples. Where no feedthrough may be, S(1 + ω²/ω_r²)ᵏ is fitted and followed by (ω_r/(s + ω_r))ᵏ: the low-pass bends nothing within the
 /// band, and a spectrum as steep as a road's becomes flat before it is fitted.
 pub(super) fn fit_filter(
     omega: &[f64],
@@ -99,15 +127,18 @@ pub(super) fn fit_filter(
 ) -> Result<RoadFilter, SubspaceError> {
     let low = omega.iter().copied().find(|w| *w > 0.0).unwrap_or(1.0);
     let high = omega.last().copied().filter(|w| *w > 0.0).unwrap_or(1.0);
-    match feedthrough {
-        Feedthrough::RollOff(Some(corner)) => return rolled(omega, s, settings, corner, high),
+    let times = match feedthrough {
+        Feedthrough::RollOff(Some(corner), times) => {
+            return rolled(omega, s, settings, corner, times, high);
+        }
         Feedthrough::Keep => {
             let fit = fit_shape(omega, s, settings)?;
             return of(fit.filter.clone(), fit.zeros.clone(), high, None, fit);
         }
-        Feedthrough::RollOff(None) => {}
-    }
-    let [below, beyond] = [CORNERS[0] * low, CORNERS[1] * high].map(|c| rolled(omega, s, settings, c, high));
+        Feedthrough::RollOff(None, times) => times,
+    };
+    let [below, beyond] =
+        [CORNERS[0] * low, CORNERS[1] * high].map(|c| rolled(omega, s, settings, c, times, high));
     match (below, beyond) {
         // without a state for the low-pass, if one can
         (Ok(a), Ok(b)) if a.roll_off_rad.is_none() != b.roll_off_rad.is_none() => {
@@ -124,9 +155,11 @@ fn rolled(
     s: &[CMat],
     settings: &ShapeSettings,
     corner: f64,
+    times: usize,
     high: f64,
 ) -> Result<RoadFilter, SubspaceError> {
-    let lift: Vec<f64> = omega.iter().map(|w| 1.0 + (w / corner).powi(2)).collect();
+    let lift: Vec<f64> =
+        omega.iter().map(|w| (0..times).fold(1.0, |lift, _| lift * (1.0 + (w / corner).powi(2)))).collect();
     let lifted: Vec<CMat> = s.iter().zip(&lift).map(|(s, l)| s * faer::Scale(C64::new(*l, 0.0))).collect();
     let squares = |r: &[f64]| Weights::Variances(r.iter().zip(&lift).map(|(r, l)| r * l * l).collect());
     // an error of S is one of S(1 + ω²/ω_r²) that is as many times larger
@@ -140,15 +173,24 @@ fn rolled(
     let eye = |v: f64| Mat::from_fn(m, m, |i, j| if i == j { v } else { 0.0 });
     let low_pass = StateSpace::continuous(eye(-corner), eye(corner), eye(1.0), Mat::zeros(m, m))?;
     let mut zeros = fit.zeros.clone();
-    if let Some(system) = without_low_pass(&fit.filter, omega, corner)? {
-        // the zero that the low-pass's pole meets
-        let off = |z: &C64| (*z + corner).norm();
-        let nearest = (0..zeros.len()).min_by(|a, b| off(&zeros[*a]).total_cmp(&off(&zeros[*b])));
-        nearest.map(|k| zeros.remove(k));
-        return of(system, zeros, high, None, fit);
+    let mut system = fit.filter.clone();
+    let mut appended = false;
+    for pass in 1..=times {
+        // the last of several stays: behind a strictly proper filter it makes C B exactly 0, and no velocity is white
+        let without =
+            if pass == times && times > 1 { None } else { without_low_pass(&system, omega, corner)? };
+        if let Some(without) = without {
+            // the zero that the low-pass's pole meets
+            let off = |z: &C64| (*z + corner).norm();
+            let nearest = (0..zeros.len()).min_by(|a, b| off(&zeros[*a]).total_cmp(&off(&zeros[*b])));
+            nearest.map(|k| zeros.remove(k));
+            system = without;
+        } else {
+            system = system.series(&low_pass)?;
+            appended = true;
+        }
     }
-    let system = fit.filter.series(&low_pass)?;
-    of(system, zeros, high, Some(corner), fit)
+    of(system, zeros, high, appended.then_some(corner), fit)
 }
 
 /// G(s) c/(s + c) = C(sI − A)⁻¹B′ + c G(−c)/(s + c) with B′ = c(A + cI)⁻¹B: strictly proper without another state where G(−c) is rounding, as it
