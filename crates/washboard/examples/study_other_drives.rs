@@ -73,5 +73,8 @@ fn main() {
     for (which, (count, e)) in &errors {
         println!("{which}: {count} converged, error over deviation: {}", e.score_line());
     }
-    println!("{} drives: {good} right, {flagged} flagged, {silent} wrong without a flag", good + flagged + silent);
+    println!(
+        "{} drives: {good} right, {flagged} flagged, {silent} wrong without a flag",
+        good + flagged + silent
+    );
 }
