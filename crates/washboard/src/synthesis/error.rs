@@ -22,6 +22,9 @@ pub enum SynthesisError {
         /// Why.
         source: RiccatiError,
     },
+    /// A semidefinite program that is none.
+    #[error(transparent)]
+    Sdp(#[from] crate::optimize::SdpError),
     /// Assumptions of the method that the plant breaks, the gravest first.
     #[error("{}", .0.iter().map(ToString::to_string).collect::<Vec<_>>().join("; "))]
     Assumptions(Vec<BrokenAssumption>),

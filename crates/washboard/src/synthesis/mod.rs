@@ -12,6 +12,7 @@ mod h2;
 mod h2_limit;
 mod hinf;
 mod lqr;
+mod mixed;
 mod near_limit;
 
 pub use assumptions::{Assumption, BrokenAssumption, broken_assumptions};
@@ -21,4 +22,8 @@ pub use h2::{H2Design, LqgWeights, h2, lqg, lqg_plant};
 pub use h2_limit::{H2Limit, full_information, h2_limit};
 pub use hinf::{HinfDesign, HinfSettings, hinf};
 pub use lqr::{Filter, Regulator, kalman, kalman_of_input, lqr, lqr_of_output};
+pub use mixed::{
+    H2Goal, HinfGoal, LyapunovScale, MixedAchieved, MixedClaims, MixedController, MixedEnd, MixedGoals,
+    PoleRegion, StateFeedback, mixed_h2_hinf, robust_state_feedback,
+};
 pub use near_limit::{NearLimit, NearLimitEnd, NearLimitStep, near_limit};

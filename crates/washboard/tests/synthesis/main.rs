@@ -5,6 +5,7 @@
 mod half_car;
 mod low_noise;
 mod mathworks;
+mod mixed;
 mod other_vehicles;
 mod plants;
 mod quarter_car;

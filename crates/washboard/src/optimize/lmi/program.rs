@@ -201,6 +201,12 @@ impl LmiSolution {
     pub fn value(&self, variable: Variable) -> Mat {
         value(&self.kinds[variable.id], &self.outcome.x)
     }
+
+    /// The solution at the interior point that was kept on the way; none where none was.
+    pub fn interior(&self) -> Option<Self> {
+        let x = self.outcome.interior.clone()?;
+        Some(LmiSolution { kinds: self.kinds.clone(), outcome: SdpOutcome { x, ..self.outcome.clone() } })
+    }
 }
 
 fn value(kind: &Kind, x: &[f64]) -> Mat {

@@ -118,7 +118,8 @@ impl<'a, T: Real> Newton<'a, T> {
                 let more = T::EPSILON * RAISE.powi(k as i32);
                 for i in 0..n {
                     let d = schur[(i, i)];
-                    schur[(i, i)] = d * T::of(1.0 + more - raise) + T::of(more * more * largest);
+                    // 1 + more would be 1 in double precision
+                    schur[(i, i)] = d + d * T::of(more - raise) + T::of(more * more * largest);
                 }
                 raise = more;
             }
@@ -139,6 +140,11 @@ impl<'a, T: Real> Newton<'a, T> {
         let by_tau = T::solve(&factor, &sum);
         let slope: Vec<T> = f.iter().zip(&ops.objective).map(|(f, c)| *f - *c).collect();
         pivot += dot(&slope, &by_tau);
+        // φ − fᵀB⁻¹f ≥ 0 is a small difference of large numbers: what rounding leaves of it may be negative
+        let least = at.kappa / at.tau;
+        if !(pivot.double() > least.double()) {
+            pivot = least;
+        }
         (pivot.double().is_finite() && pivot.double() > 0.0).then_some(Newton {
             ops,
             at,

@@ -50,6 +50,8 @@ pub struct SdpOutcome {
     pub status: Status,
     /// x; a direction where the program is unbounded.
     pub x: Vec<f64>,
+    /// The first point with F(x) ≻ 0 whose cᵀx is within the settings' `interior_gap` of the least, where that was asked for.
+    pub interior: Option<Vec<f64>>,
     /// cᵀx.
     pub objective: f64,
     /// −F₀•Z: no feasible x is below it.

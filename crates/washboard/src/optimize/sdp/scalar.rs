@@ -3,7 +3,7 @@
 use faer::MatRef;
 use faer::traits::RealField;
 use rayon::prelude::*;
-use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
+use std::ops::{Add, AddAssign, Div, DivAssign, Mul, Neg, Sub, SubAssign};
 
 /// A real number of some precision.
 pub(super) trait Real:
@@ -17,6 +17,7 @@ pub(super) trait Real:
     + Neg<Output = Self>
     + AddAssign
     + SubAssign
+    + DivAssign
     + Send
     + Sync
 {
@@ -123,7 +124,7 @@ impl Real for faer::fx128 {
         let n = b.len();
         let mut x = b.to_vec();
         for j in 0..n {
-            x[j] = x[j] / l[(j, j)];
+            x[j] /= l[(j, j)];
             for i in j + 1..n {
                 let part = l[(i, j)] * x[j];
                 x[i] -= part;
@@ -134,7 +135,7 @@ impl Real for faer::fx128 {
                 let part = l[(i, j)] * x[i];
                 x[j] -= part;
             }
-            x[j] = x[j] / l[(j, j)];
+            x[j] /= l[(j, j)];
         }
         x
     }

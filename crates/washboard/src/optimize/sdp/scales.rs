@@ -1,11 +1,10 @@
 //! Scales under which a program's numbers are of order one, and the way back.
 
-use super::embedding::Iterate;
 use super::outcome::{Certificate, Measures, SdpOutcome, Status};
 use super::problem::{Atom, Block, Sdp};
 use super::scalar::{inner, norm};
 use super::schur::Operators;
-use super::solve::Ended;
+use super::solve::{Ended, Rounded};
 use crate::linalg::Mat;
 
 /// Scales under which all coefficients are of order one.
@@ -74,7 +73,7 @@ impl Scales {
         Sdp { objective, blocks }
     }
 
-    pub fn outcome(&self, sdp: &Sdp, at: &Iterate<f64>, end: Ended) -> SdpOutcome {
+    pub fn outcome(&self, sdp: &Sdp, at: &Rounded, end: Ended, interior_gap: Option<f64>) -> SdpOutcome {
         let by = match end.status {
             Status::Infeasible | Status::Unbounded => 1.0,
             _ => at.tau,
@@ -82,15 +81,21 @@ impl Scales {
         let x: Vec<f64> =
             at.x.iter().zip(&self.variables).map(|(x, v)| x / by * self.constants / v).collect();
         let multiplier: Vec<Mat> = at
-            .blocks
+            .multiplier
             .iter()
             .zip(&self.blocks)
-            .map(|(b, s)| {
-                let z = &b.multiplier;
-                Mat::from_fn(z.nrows(), z.ncols(), |i, j| z[(i, j)] / by * self.objective / s)
-            })
+            .map(|(z, s)| Mat::from_fn(z.nrows(), z.ncols(), |i, j| z[(i, j)] / by * self.objective / s))
             .collect();
         let objective: f64 = sdp.objective.iter().zip(&x).map(|(c, x)| c * x).sum();
+        let value = |x: &[f64]| sdp.objective.iter().zip(x).map(|(c, x)| c * x).sum::<f64>();
+        let interior = interior_gap.and_then(|share| {
+            let plain = |x: &Vec<f64>| -> Vec<f64> {
+                x.iter().zip(&self.variables).map(|(x, v)| x * self.constants / v).collect()
+            };
+            let all: Vec<Vec<f64>> = end.interior.iter().map(plain).collect();
+            let least = all.iter().map(|x| value(x)).fold(objective, f64::min);
+            all.into_iter().find(|x| value(x) <= least + share * least.abs())
+        });
         let bound: f64 = -sdp.blocks.iter().zip(&multiplier).map(|(b, z)| inner(&b.constant, z)).sum::<f64>();
         let slack = sdp.at(&x);
         let certificate = match end.status {
@@ -117,6 +122,7 @@ impl Scales {
         SdpOutcome {
             status: end.status,
             x,
+            interior,
             objective,
             bound,
             slack,

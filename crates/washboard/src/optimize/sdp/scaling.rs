@@ -41,7 +41,7 @@ impl<T: Real> Scaled<T> {
     pub fn over(mut self, size: T) -> Self {
         let divided = |a: &MatOf<T>| MatOf::from_fn(a.nrows(), a.ncols(), |i, j| a[(i, j)] / size);
         (self.slack, self.multiplier) = (divided(&self.slack), divided(&self.multiplier));
-        self.lambda.iter_mut().for_each(|l| *l = *l / size);
+        self.lambda.iter_mut().for_each(|l| *l /= size);
         self
     }
 

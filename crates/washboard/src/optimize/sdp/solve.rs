@@ -3,10 +3,11 @@
 use super::embedding::{Direction, Iterate, Newton, Residuals};
 use super::outcome::{Measures, SdpOutcome, Status};
 use super::problem::Sdp;
-use super::scalar::{MatOf, Real, dot, inner, norm, rounded};
+use super::scalar::{MatOf, Real, cast, dot, inner, norm, rounded};
 use super::scales::Scales;
 use super::scaling::Scaled;
 use super::schur::Operators;
+use crate::linalg::Mat;
 
 /// When a search ends.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -17,11 +18,14 @@ pub struct SdpSettings {
     pub max_iterations: usize,
     /// Whether a search that stalls above the tolerance goes on in double-double.
     pub double_double: bool,
+    /// The first iterate whose F(x) is positive definite and whose cᵀx is within this share of the least is kept as
+    /// `interior`: a point well inside, where optima themselves lie on the boundary and may be infinitely far.
+    pub interior_gap: Option<f64>,
 }
 
 impl Default for SdpSettings {
     fn default() -> Self {
-        SdpSettings { tolerance: 1e-8, max_iterations: 100, double_double: true }
+        SdpSettings { tolerance: 1e-8, max_iterations: 100, double_double: true, interior_gap: None }
     }
 }
 
@@ -30,9 +34,13 @@ const NEAR: [f64; 2] = [0.9, 0.99];
 /// Shorter steps, one after another, are a stall.
 const SHORT: f64 = 1e-3;
 const MOST_SHORT: usize = 3;
+/// Iterates with a larger relative gap are not looked at as interior points.
+const NEAR_INSIDE: f64 = 0.1;
+/// A search that stalls at so many times the tolerance has found its optimum.
+const NEARLY: f64 = 10.0;
 /// Iterations without a better iterate before a search counts as stalled: in double, where double-double comes next, and
 /// there.
-const PATIENCE: [usize; 2] = [6, 12];
+const PATIENCE: [usize; 2] = [10, 30];
 
 impl Sdp {
     /// Solves the program.
@@ -42,26 +50,27 @@ impl Sdp {
     pub fn solve(&self, settings: &SdpSettings) -> SdpOutcome {
         let scaled = Scales::of(self);
         let program = scaled.program(self);
-        let (first, mut end) = {
-            let ops = Operators::<f64>::new(&program);
-            let mut iterate = Iterate::start(&ops);
-            let end = run(&ops, &mut iterate, settings, PATIENCE[0]);
-            (iterate, end)
-        };
-        let mut best = first;
+        let ops = Operators::<f64>::new(&program);
+        let mut iterate = Iterate::start(&ops);
+        let mut end = run(&ops, &mut iterate, settings, PATIENCE[0]);
+        end.accept(settings);
+        let mut best = iterate.rounded();
         if end.status == Status::Stalled
             && settings.double_double
-            && let Some(mut iterate) = best.cast::<faer::fx128>()
+            && let Some(mut iterate) = iterate.exact()
         {
             let more = run(&Operators::new(&program), &mut iterate, settings, PATIENCE[1]);
-            let better = more.status != Status::Stalled || more.measures.worst() < end.measures.worst();
-            end.iterations[1] = more.iterations[0];
-            if let (true, Some(rounded)) = (better, iterate.cast()) {
-                best = rounded;
-                end = Ended { iterations: end.iterations, ..more };
+            let iterations = [end.iterations[0], more.iterations[0]];
+            if more.status != Status::Stalled || more.measures.worst() < end.measures.worst() {
+                best = iterate.rounded();
+                let mut interior = std::mem::take(&mut end.interior);
+                interior.extend(more.interior.iter().cloned());
+                end = Ended { iterations, interior, ..more };
             }
+            end.iterations = iterations;
         }
-        scaled.outcome(self, &best, end)
+        end.accept(settings);
+        scaled.outcome(self, &best, end, settings.interior_gap)
     }
 }
 
@@ -70,6 +79,17 @@ pub(super) struct Ended {
     pub status: Status,
     pub measures: Measures,
     pub iterations: [usize; 2],
+    /// x of the iterates that were inside, in their order.
+    pub interior: Vec<Vec<f64>>,
+}
+
+impl Ended {
+    /// What stalls nearly at the tolerance is an optimum.
+    fn accept(&mut self, settings: &SdpSettings) {
+        if self.status == Status::Stalled && self.measures.worst() <= NEARLY * settings.tolerance {
+            self.status = Status::Optimal;
+        }
+    }
 }
 
 /// Norms of the data, for relative measures.
@@ -91,6 +111,7 @@ fn run<T: Real>(
     let mut best = f64::INFINITY;
     let mut best_measures = Measures { primal: f64::INFINITY, dual: f64::INFINITY, gap: f64::INFINITY };
     let (mut since, mut short, mut count) = (0, 0, 0);
+    let mut interior = Vec::new();
     let status = loop {
         let residuals = at.residuals(ops);
         let (measures, proof) = judge(ops, &at, &residuals, &norms);
@@ -99,6 +120,9 @@ fn run<T: Real>(
             *iterate = at.clone();
         } else {
             since += 1;
+        }
+        if settings.interior_gap.is_some() && measures.gap <= NEAR_INSIDE {
+            interior.extend(inside(ops, &at));
         }
         if measures.worst() <= settings.tolerance {
             break Status::Optimal;
@@ -141,7 +165,18 @@ fn run<T: Real>(
         short = if alpha < SHORT { short + 1 } else { 0 };
         at = next.normalised();
     };
-    Ended { status, measures: best_measures, iterations: [count, 0] }
+    Ended { status, measures: best_measures, iterations: [count, 0], interior }
+}
+
+/// x/τ where F(x/τ) is positive definite.
+fn inside<T: Real>(ops: &Operators<T>, at: &Iterate<T>) -> Option<Vec<f64>> {
+    let x: Vec<T> = at.x.iter().map(|x| *x / at.tau).collect();
+    let positive = ops.blocks.iter().all(|op| {
+        let f = op.apply(&x);
+        let sum = MatOf::from_fn(f.nrows(), f.ncols(), |i, j| f[(i, j)] + op.constant[(i, j)]);
+        T::cholesky(&sum).is_some()
+    });
+    positive.then(|| x.iter().map(|x| x.double()).collect())
 }
 
 fn step<T: Real>(at: &Iterate<T>, d: &Direction<T>, alpha: f64) -> Option<Iterate<T>> {
@@ -166,26 +201,38 @@ impl<T: Real> Iterate<T> {
             return self;
         }
         let size = T::of(size);
-        self.x.iter_mut().for_each(|x| *x = *x / size);
+        self.x.iter_mut().for_each(|x| *x /= size);
         self.blocks = self.blocks.into_iter().map(|b| b.over(size)).collect();
         (self.tau, self.kappa) = (self.tau / size, self.kappa / size);
         self
     }
 
-    fn cast<U: Real>(&self) -> Option<Iterate<U>> {
-        let matrix = |a: &MatOf<T>| super::scalar::cast::<U>(&rounded(a));
-        let of = |v: T| U::of(v.double());
+    fn rounded(&self) -> Rounded {
+        Rounded {
+            x: self.x.iter().map(|v| v.double()).collect(),
+            multiplier: self.blocks.iter().map(|b| rounded(&b.multiplier)).collect(),
+            tau: self.tau.double(),
+        }
+    }
+}
+
+impl Iterate<f64> {
+    fn exact(&self) -> Option<Iterate<faer::fx128>> {
+        let blocks = self.blocks.iter().map(|b| Scaled::new(cast(&b.slack), cast(&b.multiplier)));
         Some(Iterate {
-            x: self.x.iter().map(|v| of(*v)).collect(),
-            blocks: self
-                .blocks
-                .iter()
-                .map(|b| Scaled::new(matrix(&b.slack), matrix(&b.multiplier)))
-                .collect::<Option<_>>()?,
-            tau: of(self.tau),
-            kappa: of(self.kappa),
+            x: self.x.iter().map(|v| Real::of(*v)).collect(),
+            blocks: blocks.collect::<Option<_>>()?,
+            tau: Real::of(self.tau),
+            kappa: Real::of(self.kappa),
         })
     }
+}
+
+/// What is reported of an iterate.
+pub(super) struct Rounded {
+    pub x: Vec<f64>,
+    pub multiplier: Vec<Mat>,
+    pub tau: f64,
 }
 
 /// How well an iterate solves the program, and how well it proves that there is no solution.
@@ -201,12 +248,23 @@ fn judge<T: Real>(
     let mut bound = T::of(0.0);
     ops.blocks.iter().zip(&at.blocks).for_each(|(op, b)| bound += inner(&op.constant, &b.multiplier));
     let bound = bound.double();
+    let mut complementarity = T::of(0.0);
+    at.blocks.iter().for_each(|b| complementarity += dot(&b.lambda, &b.lambda));
     // cᵀx + F₀•Z without the cancellation of the two
     let gap = (r.gap - at.kappa).double();
+    // what is reported is rounded to double precision: an x so large that this shows is no answer
+    let off: Vec<T> = at.x.iter().map(|x| T::of((*x / at.tau).double()) - *x / at.tau).collect();
+    let rounding = if off.iter().any(|v| v.double() != 0.0) {
+        let moved: Vec<MatOf<T>> = ops.blocks.iter().map(|op| op.apply(&off)).collect();
+        frobenius(&moved)
+    } else {
+        0.0
+    };
     let measures = Measures {
-        primal: frobenius(&r.primal) / tau / (1.0 + norms.constants),
+        primal: (frobenius(&r.primal) / tau + rounding) / (1.0 + norms.constants),
         dual: norm(&r.dual) / tau / (1.0 + norms.objective),
-        gap: gap.abs() / (tau + objective.abs()),
+        // where x or Z is large their equations' residuals hide a gap: complementarity shows it
+        gap: gap.abs().max(complementarity.double() / tau) / (tau + objective.abs()),
     };
     let mut proof = None;
     if bound < 0.0 {

@@ -1,0 +1,76 @@
+//! The semidefinite solver on mixed H2/H∞ inequalities of output feedback for random plants, against the number of states:
+//! `bench_sdp [states …]`. 18 states make 948 variables and blocks of 50, 40 and 46.
+
+#![allow(clippy::print_stdout, clippy::unwrap_used)]
+
+use rand::{Rng, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use std::time::Instant;
+use washboard::linalg::Mat;
+use washboard::optimize::{Expr, Lmi, SdpSettings};
+
+fn main() {
+    let asked: Vec<usize> = std::env::args().skip(1).map(|a| a.parse().unwrap()).collect();
+    let states = if asked.is_empty() { vec![4, 8, 12, 18] } else { asked };
+    for n in states {
+        let lmi = inequalities(n);
+        let program = lmi.program().unwrap();
+        let settings = SdpSettings { double_double: false, ..SdpSettings::default() };
+        let mut best = f64::INFINITY;
+        let mut last = None;
+        for _ in 0..3 {
+            let begin = Instant::now();
+            last = Some(program.solve(&settings));
+            best = best.min(begin.elapsed().as_secs_f64());
+        }
+        let o = last.unwrap();
+        println!(
+            "{n} states, {} variables: {best:.3} s, {} iterations, {:?}, {:.8} ≥ {:.8}",
+            lmi.variables(),
+            o.iterations[0],
+            o.status,
+            o.objective,
+            o.bound
+        );
+    }
+}
+
+/// min γ + tr Z with γ above the H∞ norm and tr Z above the square of the H2 norm.
+fn inequalities(n: usize) -> Lmi {
+    let mut rng = ChaCha8Rng::seed_from_u64(1);
+    let mut random =
+        |p: usize, q: usize, size: f64| Mat::from_fn(p, q, |_, _| size * rng.random_range(-1.0..1.0));
+    let (nw, nu, ny, nz) = (4, 4, 7, 10);
+    let a = random(n, n, 1.0) - Mat::from_fn(n, n, |i, j| if i == j { 2.0 } else { 0.0 });
+    let (b1, b2) = (random(n, nw, 1.0), random(n, nu, 1.0));
+    let (c1, d11, d12) = (random(nz, n, 1.0), random(nz, nw, 0.1), random(nz, nu, 1.0));
+    let (c2, d21) = (random(ny, n, 1.0), random(ny, nw, 1.0));
+    let mut lmi = Lmi::new();
+    let (x, y) = (lmi.symmetric(n), lmi.symmetric(n));
+    let (ah, bh, ch, dh) = (lmi.matrix(n, n), lmi.matrix(n, ny), lmi.matrix(nu, n), lmi.matrix(nu, ny));
+    let (gamma, z) = (lmi.scalar(), lmi.symmetric(nz));
+    let constant = |m: &Mat| Expr::constant(m.clone());
+    let ax = (&(&a * x) + &(&b2 * ch)).he();
+    let ya = (&(y * &a) + &(bh * &c2)).he();
+    let cross = &ah.expr().t() + &(&constant(&a) + &(&(&b2 * dh) * &c2));
+    let bx = &constant(&b1) + &(&(&b2 * dh) * &d21);
+    let by = &(y * &b1) + &(bh * &d21);
+    let cx = &(&c1 * x) + &(&d12 * ch);
+    let cy = &constant(&c1) + &(&(&d12 * dh) * &c2);
+    let d = &constant(&d11) + &(&(&d12 * dh) * &d21);
+    let (w, v) = (Mat::identity(nw, nw), Mat::identity(nz, nz));
+    let bounded = Expr::symmetric(vec![
+        vec![ax.clone(), cross.clone(), bx.clone(), cx.t()],
+        vec![ya.clone(), by.clone(), cy.t()],
+        vec![-gamma.times(&w), d.t()],
+        vec![-gamma.times(&v)],
+    ]);
+    lmi.negative("H∞", &bounded);
+    let covariance = vec![vec![ax, cross, bx], vec![ya, by], vec![Expr::identity(nw, -1.0)]];
+    lmi.negative("H2", &Expr::symmetric(covariance));
+    let outputs =
+        vec![vec![x.expr(), Expr::identity(n, 1.0), cx.t()], vec![y.expr(), cy.t()], vec![z.expr()]];
+    lmi.positive("Z", Expr::symmetric(outputs));
+    lmi.minimize(&z.expr().trace() + &gamma.expr());
+    lmi
+}

@@ -1,0 +1,280 @@
+//! One state feedback for all plants of a polytope: mixed H2/H∞ with pole regions.
+
+use super::goals::{LyapunovScale, MixedGoals};
+use super::inequalities::{Closed, Level, Scale, h2, hinf};
+use super::parts::{Channel, Parts, Units};
+use super::regions;
+use super::verify::{MixedAchieved, achieved, with_feedback};
+use crate::linalg::Mat;
+use crate::lti::{GeneralizedPlant, LtiError};
+use crate::optimize::{Expr, Lmi, LmiSolution, Measures, SdpError, SdpSettings, Status, Variable};
+use crate::synthesis::{Assumption, SynthesisError, broken_assumptions};
+
+/// What the inequalities promise: bounds, not the norms themselves.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MixedClaims {
+    /// ‖T₂‖ of the weighted outputs is at most this, at every vertex.
+    pub h2: Option<f64>,
+    /// ‖T∞‖ of each H∞ goal is at most this.
+    pub hinf: Vec<f64>,
+    /// Σ α‖T∞‖² + β‖T₂‖² by these bounds.
+    pub objective: f64,
+    /// The scale s of each H∞ goal's inequality.
+    pub scales: Vec<f64>,
+}
+
+/// How a design ended.
+#[derive(Debug, Clone)]
+pub enum MixedEnd<T> {
+    /// With a controller.
+    Found(T),
+    /// No controller meets the goals by one Lyapunov matrix: a multiplier proves it, to `violation`.
+    Infeasible {
+        /// How well the proof holds.
+        violation: f64,
+        /// What all bounds on H∞ norms must at least be multiplied by, without the other goals' bounds; none where even
+        /// that does not help.
+        bounds_times: Option<f64>,
+    },
+    /// The solver came to no answer.
+    Stalled(Measures),
+}
+
+/// A state feedback u = Kx.
+#[derive(Debug, Clone)]
+pub struct StateFeedback {
+    /// K, controls × states.
+    pub gain: Mat,
+    /// The Lyapunov matrix of all vertices: their covariance is at most this, where there is an H2 goal.
+    pub lyapunov: Mat,
+    /// What the inequalities promise.
+    pub claims: MixedClaims,
+    /// What the loop of each vertex has.
+    pub achieved: Vec<MixedAchieved>,
+    /// Iterations of the solver, in double and double-double precision.
+    pub iterations: [usize; 2],
+}
+
+/// The state feedback that minimises Σ α‖T∞‖² + β‖T₂‖² at the worst vertex of a polytope of plants, under bounds and with
+/// poles in a region.
+///
+/// One X ≻ 0 and W = KX for all vertices: He(AX + B₂W) + … as of [`MixedGoals`]; what holds at the vertices holds in the
+/// polytope, and while the plant moves in it. The vertices share their numbers of states and signals; the controller sees
+/// all states. With bounds only on H∞ norms the scale of the common Lyapunov matrix is a variable of the program.
+///
+/// # Errors
+/// Goals that say nothing or contradict themselves, vertices of different sizes, a vertex that cannot be stabilised, a
+/// closed loop that contradicts its promise.
+///
+/// Source: Boyd, El Ghaoui, Feron, Balakrishnan, *Linear Matrix Inequalities in System and Control Theory*, ch. 7.
+pub fn robust_state_feedback(
+    vertices: &[GeneralizedPlant],
+    goals: &MixedGoals,
+    settings: &SdpSettings,
+) -> Result<MixedEnd<StateFeedback>, SynthesisError> {
+    let Some(first) = vertices.first() else {
+        return Err(SdpError::Empty { variables: 0, blocks: 0 }.into());
+    };
+    let sizes = |p: &GeneralizedPlant| [p.order(), p.nw(), p.nu(), p.nz()];
+    for vertex in vertices {
+        if sizes(vertex) != sizes(first) {
+            return Err(LtiError::Join {
+                what: "vertices: states, disturbances, controls, performances",
+                expected: format!("{:?}", sizes(first)),
+                found: format!("{:?}", sizes(vertex)),
+            }
+            .into());
+        }
+        goals.check(vertex)?;
+    }
+    let units = Units::of(first);
+    let parts: Vec<Parts> = vertices.iter().map(|p| units.parts(p, goals.h2.as_ref(), &goals.hinf)).collect();
+    let minimised = goals.hinf.iter().any(|g| g.weight > 0.0);
+    let solve = |scale: LyapunovScale| Program::new(&units, &parts, goals, scale, None)?.solve(settings);
+    let solved = match goals.scale {
+        // γ² and s are both variables: s by a search over numbers
+        LyapunovScale::Searched if minimised && goals.h2.is_some() => super::scale::search(solve)?,
+        scale => solve(scale)?,
+    };
+    let (program, solution) = solved;
+    Ok(match solution.outcome.status {
+        Status::Optimal => {
+            let mut found = program.feedback(&units, goals, &solution);
+            for vertex in vertices {
+                let closed = with_feedback(vertex, &found.gain)?;
+                found.achieved.push(achieved(&closed, goals, &found.claims)?);
+            }
+            MixedEnd::Found(found)
+        }
+        Status::Infeasible => {
+            for vertex in vertices {
+                stabilisable(vertex)?;
+            }
+            MixedEnd::Infeasible {
+                violation: solution.outcome.certificate.map_or(f64::INFINITY, |c| c.violation),
+                bounds_times: relaxed(&units, &parts, goals, settings)?,
+            }
+        }
+        _ => MixedEnd::Stalled(solution.outcome.measures),
+    })
+}
+
+/// Refuses a plant whose controls do not reach an unstable mode.
+pub(super) fn stabilisable(plant: &GeneralizedPlant) -> Result<(), SynthesisError> {
+    let broken = broken_assumptions(plant)?;
+    let fatal: Vec<_> = broken.into_iter().filter(|b| b.assumption == Assumption::Stabilisable).collect();
+    if fatal.is_empty() { Ok(()) } else { Err(SynthesisError::Assumptions(fatal)) }
+}
+
+/// The least factor on all bounds on H∞ norms that makes these feasible.
+fn relaxed(
+    units: &Units,
+    parts: &[Parts],
+    goals: &MixedGoals,
+    settings: &SdpSettings,
+) -> Result<Option<f64>, SdpError> {
+    if goals.hinf.iter().all(|g| g.bound.is_none()) {
+        return Ok(None);
+    }
+    let bare = MixedGoals { h2: None, ..goals.clone() };
+    let mut lmi = Lmi::new();
+    let factor = lmi.scalar();
+    let program = Program::within(lmi, units, parts, &bare, LyapunovScale::Fixed(1.0), Some(factor))?;
+    let (_, solution) = program.solve(settings)?;
+    let found = solution.value(factor)[(0, 0)];
+    Ok((solution.outcome.status == Status::Optimal && found > 0.0).then(|| found.sqrt()))
+}
+
+/// The inequalities in the plant's units.
+pub(super) struct Program {
+    lmi: Lmi,
+    x: Variable,
+    w: Variable,
+    z: Option<Variable>,
+    levels: Vec<Level>,
+    scales: Vec<Scale>,
+}
+
+impl Program {
+    fn new(
+        units: &Units,
+        parts: &[Parts],
+        goals: &MixedGoals,
+        scale: LyapunovScale,
+        factor: Option<Variable>,
+    ) -> Result<Self, SdpError> {
+        Self::within(Lmi::new(), units, parts, goals, scale, factor)
+    }
+
+    fn within(
+        mut lmi: Lmi,
+        units: &Units,
+        parts: &[Parts],
+        goals: &MixedGoals,
+        scale: LyapunovScale,
+        factor: Option<Variable>,
+    ) -> Result<Self, SdpError> {
+        let (n, m) = parts[0].b2.shape();
+        let (x, w) = (lmi.symmetric(n), lmi.matrix(m, n));
+        let mut objective = Expr::zero(1, 1);
+        let mut levels = Vec::new();
+        let mut scales = Vec::new();
+        for goal in &goals.hinf {
+            let bound = goal.bound.map(|b| units.hinf(b).powi(2));
+            let level = match (bound, factor) {
+                (Some(g), Some(_)) => Level::Number(g),
+                (Some(g), None) if goal.weight == 0.0 => Level::Number(g),
+                (bound, _) => {
+                    let g = lmi.scalar();
+                    if let Some(b) = bound {
+                        lmi.positive("a bound on an H∞ norm", &Expr::identity(1, b) - &g.expr());
+                    }
+                    objective = objective + g.expr().scaled(goal.weight * units.plain_hinf(1.0).powi(2));
+                    Level::Free(g)
+                }
+            };
+            levels.push(level);
+            let linear = matches!(level, Level::Number(_)) && goals.h2.is_some();
+            scales.push(Scale::of(&mut lmi, scale, linear));
+        }
+        let mut z = None;
+        for part in parts {
+            let a = &(&part.a * x) + &(&part.b2 * w);
+            let closed = |c: &Channel| Closed {
+                a: a.clone(),
+                b: Expr::constant(c.b1.clone()),
+                c: &(&c.c1 * x) + &(&c.d12 * w),
+                d: Expr::constant(c.d11.clone()),
+            };
+            for ((channel, level), scale) in part.hinf.iter().zip(&levels).zip(&scales) {
+                let of = closed(channel);
+                match (factor, level) {
+                    // γ² times a common factor: z is divided by γ
+                    (Some(f), Level::Number(g)) => {
+                        let (c, d) = (of.c.scaled(g.sqrt().recip()), of.d.scaled(g.sqrt().recip()));
+                        let of = Closed { c, d, ..of };
+                        hinf(&mut lmi, &of, &channel.b1, &channel.d11, *scale, Level::Free(f));
+                    }
+                    _ => hinf(&mut lmi, &of, &channel.b1, &channel.d11, *scale, *level),
+                }
+            }
+            if let Some(channel) = &part.h2 {
+                let own = h2(&mut lmi, &closed(channel), &x.expr());
+                // one Z above all vertices' traces
+                let most = *z.get_or_insert_with(|| lmi.scalar());
+                lmi.positive("the H2 norm", &most.expr() - &own.expr().trace());
+            }
+            regions::add(&mut lmi, &units.region(&goals.region), &a, &x.expr());
+        }
+        lmi.positive("X", x.expr());
+        if let (Some(goal), Some(z)) = (&goals.h2, z) {
+            objective = objective + z.expr().scaled(goal.weight);
+            if let Some(bound) = goal.bound {
+                lmi.positive("a bound on the H2 norm", &Expr::identity(1, bound * bound) - &z.expr());
+            }
+        }
+        lmi.minimize(factor.map_or(objective, |f| f.expr()));
+        Ok(Program { lmi, x, w, z, levels, scales })
+    }
+
+    fn solve(self, settings: &SdpSettings) -> Result<(Self, LmiSolution), SdpError> {
+        let solution = self.lmi.solve(settings)?;
+        Ok((self, solution))
+    }
+
+    fn feedback(&self, units: &Units, goals: &MixedGoals, s: &LmiSolution) -> StateFeedback {
+        let (x, w) = (s.value(self.x), s.value(self.w));
+        let k = crate::linalg::solve(&x, &w.transpose().to_owned())
+            .map_or_else(|_| Mat::zeros(w.nrows(), w.ncols()), |k| k.transpose().to_owned());
+        let number = |v: Variable| s.value(v)[(0, 0)];
+        let levels: Vec<f64> = self
+            .levels
+            .iter()
+            .map(|l| match l {
+                Level::Number(g) => *g,
+                Level::Free(g) => number(*g),
+            })
+            .collect();
+        let hinf: Vec<f64> = levels.iter().map(|g| units.plain_hinf(g.max(0.0).sqrt())).collect();
+        let squared = self.z.map(number);
+        let objective = goals.hinf.iter().zip(&hinf).map(|(g, v)| g.weight * v * v).sum::<f64>()
+            + goals.h2.as_ref().zip(squared).map_or(0.0, |(g, z)| g.weight * z);
+        let scales = self.scales.iter().map(|s| match s {
+            Scale::Number(s) => *s,
+            Scale::Free(s) => number(*s),
+        });
+        let t = &units.states;
+        StateFeedback {
+            gain: units.gain(&k),
+            lyapunov: Mat::from_fn(t.len(), t.len(), |i, j| t[i] * t[j] * x[(i, j)]),
+            claims: MixedClaims {
+                h2: squared.map(|z| z.max(0.0).sqrt()),
+                hinf,
+                objective,
+                scales: scales.collect(),
+            },
+            achieved: Vec::new(),
+            iterations: s.outcome.iterations,
+        }
+    }
+}
