@@ -5,6 +5,8 @@ mod filter;
 mod measured;
 mod profile;
 mod spec;
+mod spec_build;
+mod spec_table;
 mod spectrum;
 mod under_wheels;
 
