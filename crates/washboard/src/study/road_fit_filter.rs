@@ -5,8 +5,14 @@ use crate::linalg::{C64, CMat, Mat, solve};
 use crate::lti::{Continuous, StateSpace};
 use crate::subspace::{Order, ShapeFit, ShapeSettings, ShapeWeights, SubspaceError, Weights, fit_shape};
 
-/// A rest of the low-pass below this share of the smallest response in the band is rounding.
-const NEGLIGIBLE: f64 = 1e-8;
+/// A filter without the low-pass's state is taken if its log₁₀ error is below this (rounding), or no more than this many times
+/// the error with it.
+const NEGLIGIBLE: f64 = 1e-7;
+const AS_NEAR: f64 = 1.01;
+/// The same where poles were moved: that alone changes the density nearest to a pole by 1e-4.
+const MOVED: f64 = 5e-5;
+/// Zeros beyond this many times the band's upper end are at infinity: they change the response by the inverse.
+const FAR: f64 = 1e8;
 /// Where the low-pass has its corner where nothing is given: half the band's lower end (heights fall over the whole band, as a road's), or
 /// twice its upper end (they fall beyond it), whichever fits better.
 const CORNERS: [f64; 2] = [0.5, 2.0];
@@ -139,39 +145,52 @@ fn rolled(
     let m = fit.filter.outputs();
     let eye = |v: f64| Mat::from_fn(m, m, |i, j| if i == j { v } else { 0.0 });
     let low_pass = StateSpace::continuous(eye(-corner), eye(corner), eye(1.0), Mat::zeros(m, m))?;
-    let mut zeros = fit.zeros.clone();
-    if let Some(system) = without_low_pass(&fit.filter, omega, corner)? {
-        // the zero that the low-pass's pole meets
-        let off = |z: &C64| (*z + corner).norm();
-        let nearest = (0..zeros.len()).min_by(|a, b| off(&zeros[*a]).total_cmp(&off(&zeros[*b])));
-        nearest.map(|k| zeros.remove(k));
+    if let Some((system, zeros)) = without_low_pass(&fit, omega, s, corner)? {
         return of(system, zeros, high, None, fit);
     }
-    let system = fit.filter.series(&low_pass)?;
+    let (system, zeros) = (fit.filter.series(&low_pass)?, fit.zeros.clone());
     of(system, zeros, high, Some(corner), fit)
 }
 
+/// A system and its finite zeros.
+type WithZeros = (StateSpace<Continuous>, Vec<C64>);
+
 /// G(s) c/(s + c) = C(sI − A)⁻¹B′ + c G(−c)/(s + c) with B′ = c(A + cI)⁻¹B: strictly proper without another state where G(−c) is rounding, as it
-/// is where the samples are of a strictly proper filter.
+/// is where the samples are of a strictly proper filter. Taken where it follows the samples as well and is minimum phase.
 fn without_low_pass(
-    g: &StateSpace<Continuous>,
+    fit: &ShapeFit,
     omega: &[f64],
+    s: &[CMat],
     c: f64,
-) -> Result<Option<StateSpace<Continuous>>, SubspaceError> {
+) -> Result<Option<WithZeros>, SubspaceError> {
+    let g = &fit.filter;
     let n = g.order();
     let shifted = Mat::from_fn(n, n, |i, j| g.a()[(i, j)] + if i == j { c } else { 0.0 });
     // a pole at −c itself
     let Ok(b) = solve(&shifted, g.b()) else { return Ok(None) };
-    let rest = (g.d() - g.c() * &b).norm_l2();
-    let mut least = f64::INFINITY;
-    for w in omega {
-        least = least.min(g.at(C64::new(0.0, *w))?.norm_l2());
-    }
-    if !(rest <= NEGLIGIBLE * least) {
+    let none = Mat::zeros(g.outputs(), g.inputs());
+    let system = StateSpace::continuous(g.a().clone(), b * faer::Scale(c), g.c().clone(), none)?;
+    let rounding = if fit.model.summand.folded > 0 { MOVED } else { NEGLIGIBLE };
+    if !(log10_rms_error(&system, omega, s)? <= (AS_NEAR * fit.log10_rms_error).max(rounding)) {
         return Ok(None);
     }
-    let none = Mat::zeros(g.outputs(), g.inputs());
-    Ok(Some(StateSpace::continuous(g.a().clone(), b * faer::Scale(c), g.c().clone(), none)?))
+    let far = FAR * omega.last().copied().unwrap_or(1.0);
+    let zeros: Vec<C64> = system.zeros()?.into_iter().filter(|z| z.norm() < far).collect();
+    Ok(zeros.iter().all(|z| z.re < 0.0).then_some((system, zeros)))
+}
+
+/// Root mean square of log₁₀ of fitted over given trace.
+fn log10_rms_error(g: &StateSpace<Continuous>, omega: &[f64], s: &[CMat]) -> Result<f64, SubspaceError> {
+    let (mut sum, mut count) = (0.0, 0);
+    for (w, s) in omega.iter().zip(s) {
+        let trace: f64 = (0..s.nrows()).map(|i| s[(i, i)].re).sum();
+        if trace > 0.0 {
+            let fitted = g.at(C64::new(0.0, *w))?.norm_l2().powi(2);
+            sum += (fitted / trace).log10().powi(2);
+            count += 1;
+        }
+    }
+    Ok((sum / f64::from(count.max(1))).sqrt())
 }
 
 /// States scaled, roots sorted, the gain made positive.

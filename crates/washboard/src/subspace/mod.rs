@@ -5,6 +5,7 @@ mod analytic;
 mod error;
 mod factor;
 mod interpolation;
+mod poles;
 mod positivity;
 mod range;
 mod samples;

@@ -159,10 +159,11 @@ pub(super) fn lifted(
 
 #[cfg(test)]
 mod tests {
+    use super::super::poles::poles;
     use super::super::range::Range;
     use super::super::samples::Weights;
     use super::super::spectrum::Unpaired;
-    use super::super::summand::{Parity, poles};
+    use super::super::summand::Parity;
     use super::*;
     use rand::{Rng, SeedableRng};
     use rand_chacha::ChaCha8Rng;
@@ -191,7 +192,7 @@ mod tests {
     fn fitted(samples: &Samples) -> LeastSquares {
         let p = 12;
         let range = Range::of(samples, p, Some(1), false).unwrap();
-        let (a, c, folded) = poles(&range, p, 1, Unpaired::Fold).unwrap();
+        let (a, c, folded) = poles(&range, samples, p, 1, Unpaired::Fold).unwrap();
         LeastSquares::of(samples, Parity::Even, a, c, folded).unwrap()
     }
 
