@@ -12,6 +12,7 @@ mod under_wheels;
 
 pub use coherence::Coherence;
 pub use filter::{Shapes, ShapingFilter};
+pub(crate) use measured::detrended;
 pub use measured::{MeasuredSpectrum, spectrum_of_profile};
 pub use profile::{ProfileSettings, random_profile};
 pub use spec::{CoherenceSpec, FilterOutput, FilterVariable, RoadKind, RoadSpec};

@@ -1,5 +1,6 @@
 //! The job `interpolate`: a rational function through the values of a file, or near its measurements.
 
+use super::json_path::parse_json;
 use super::{Input, StudyError};
 use crate::files::{FileError, read_text};
 use crate::linalg::{C64, CMat, Mat};
@@ -80,14 +81,14 @@ struct File {
 }
 
 #[derive(Deserialize)]
-#[serde(untagged)]
+#[serde(untagged, expecting = "expected a number or \"least\"")]
 enum Bound {
     Value(f64),
     Word(String),
 }
 
 #[derive(Deserialize)]
-#[serde(untagged)]
+#[serde(untagged, expecting = "expected [re, im] or \"infinity\"")]
 enum Place {
     Finite([f64; 2]),
     Word(String),
@@ -129,8 +130,7 @@ fn one() -> f64 {
 pub fn interpolate_file(spec: &InterpolateSpec) -> Result<(InterpolateOutcome, Vec<Input>), StudyError> {
     let path = &spec.data;
     let text = read_text(path)?;
-    let file: File =
-        serde_json::from_str(&text).map_err(|e| FileError::content(path, Some(e.line()), e.to_string()))?;
+    let file: File = parse_json(&text, path)?;
     let wrong = |message: String| StudyError::from(FileError::content(path, None, message));
     let refused =
         |source| StudyError::Interpolation { name: path.display().to_string(), source: Box::new(source) };
@@ -163,7 +163,12 @@ pub fn interpolate_file(spec: &InterpolateSpec) -> Result<(InterpolateOutcome, V
                     return Err(wrong(format!("order: expected none with a bound, found {n}")));
                 }
                 let asked = match asked {
-                    Bound::Value(v) => Some(v),
+                    Bound::Value(v) if v > 0.0 && v.is_finite() => Some(v),
+                    Bound::Value(v) => {
+                        return Err(wrong(format!(
+                            "bound: expected a number above 0 or \"least\", found {v}"
+                        )));
+                    }
                     Bound::Word(w) if w == "least" => None,
                     Bound::Word(w) => {
                         return Err(wrong(format!("bound: expected a number or \"least\", found {w:?}")));

@@ -33,6 +33,7 @@ mod identify_physical;
 mod identify_tvimm;
 mod input_checks;
 mod interpolation;
+mod json_path;
 mod load;
 mod modes;
 mod named;
@@ -59,6 +60,7 @@ mod simulate;
 mod spec;
 mod spectra_plot;
 mod spectrum_file;
+mod spectrum_smooth;
 mod speed_parts;
 
 pub use crate::vehicle::Stretch;

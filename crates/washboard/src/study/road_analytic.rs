@@ -5,7 +5,9 @@ use super::new_file::check_new_file;
 use super::number_table::NumberTable;
 use super::road_fit::{pairs, rows};
 use super::{Input, RoadAnalyticSpec, StudyError};
-use crate::linalg::{C64, RealSchur};
+use crate::files::FileError;
+use crate::linalg::{C64, Mat, RealSchur};
+use crate::lti::StateSpace;
 use crate::subspace::{
     AnalyticModel, AnalyticSettings, Part, SubspaceError, Unpaired, Weights, fit_analytic,
 };
@@ -84,6 +86,12 @@ pub struct RoadAnalyticRun {
     pub inputs: Vec<Input>,
 }
 
+/// Values that differ by less than this share of the largest are one value.
+const CONSTANT: f64 = 1e-13;
+/// Values below this have no digits left.
+const LEAST: f64 = 1e-290;
+/// Values whose squares a double holds.
+const HELD: std::ops::RangeInclusive<f64> = 1e-100..=1e100;
 /// The columns that may be given.
 const GIVEN: [&str; 4] = ["real", "imag", "phase_rad", "magnitude"];
 /// Frequencies: name, in cycles.
@@ -121,6 +129,18 @@ pub fn road_analytic(spec: &RoadAnalyticSpec) -> Result<RoadAnalyticRun, StudyEr
     let raw = table.index(given).map(|k| table.columns[k].clone()).unwrap_or_default();
     let logarithm = matches!(*given, "phase_rad" | "magnitude");
     let values = checked(&table, given, raw.clone())?;
+    let largest = values.iter().map(|v| v.abs()).fold(0.0, f64::max);
+    let varies = values.iter().any(|v| (v - values[0]).abs() > CONSTANT * largest);
+    if !varies || largest < LEAST {
+        let found = format!("{:?} in all {} rows", raw.first().copied().unwrap_or(0.0), raw.len());
+        let message = format!(
+            "column {given}: expected values that vary, above {LEAST:e}, found {found}: there is no function to find"
+        );
+        return Err(FileError::content(&table.path, None, message).into());
+    }
+    // numbers whose squares a double does not hold
+    let scale = if HELD.contains(&largest) { 1.0 } else { largest };
+    let values: Vec<f64> = values.iter().map(|v| v / scale).collect();
     let part = match (*given, spec.positive) {
         ("real", true) => Part::PositiveReal,
         ("real" | "magnitude", false) => Part::Real,
@@ -137,7 +157,15 @@ pub fn road_analytic(spec: &RoadAnalyticSpec) -> Result<RoadAnalyticRun, StudyEr
     let settings = AnalyticSettings { unpaired: Unpaired::Fold, ..AnalyticSettings::new(n, p) };
     let fail =
         |e: SubspaceError| StudyError::Shape { name: spec.data.display().to_string(), source: Box::new(e) };
-    let model = fit_analytic(&theta, &values, Weights::Equal, part, &settings).map_err(fail)?;
+    let mut model = fit_analytic(&theta, &values, Weights::Equal, part, &settings).map_err(fail)?;
+    if scale != 1.0 {
+        let by = |m: &Mat| m * faer::Scale(scale);
+        let f = &model.system;
+        let scaled = StateSpace::discrete(f.a().clone(), f.b().clone(), by(f.c()), by(f.d()), settings.dt_s);
+        model.system = scaled.map_err(|e| fail(e.into()))?;
+        model.singular_values.iter_mut().for_each(|s| *s *= scale);
+    }
+    let values: Vec<f64> = values.iter().map(|v| v * scale).collect();
     let (samples, errors) = evaluated(&model, theta, raw, &values, logarithm, part).map_err(fail)?;
     if model.folded > 0 {
         note(
@@ -173,7 +201,9 @@ pub fn road_analytic(spec: &RoadAnalyticSpec) -> Result<RoadAnalyticRun, StudyEr
             "ln f is not rational: the order is that of an approximation, whose error is given".into(),
         );
     }
-    let rms = |x: &[f64]| (x.iter().map(|x| x * x).sum::<f64>() / x.len().max(1) as f64).sqrt();
+    let rms = |x: &[f64]| {
+        (x.iter().map(|x| (x / scale).powi(2)).sum::<f64>() / x.len().max(1) as f64).sqrt() * scale
+    };
     let a = model.system.a();
     let mut poles = if a.nrows() == 0 {
         Vec::new()

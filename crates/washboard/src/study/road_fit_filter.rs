@@ -3,7 +3,7 @@
 use super::FitOrder;
 use crate::linalg::{C64, CMat, Mat, solve};
 use crate::lti::{Continuous, StateSpace};
-use crate::subspace::{Order, ShapeFit, ShapeSettings, ShapeWeights, SubspaceError, Weights, fit_shape};
+use crate::subspace::{Order, ShapeFit, ShapeProblem, ShapeSettings, ShapeWeights, SubspaceError, Weights};
 
 /// A filter without the low-pass's state is taken if its log₁₀ error is below this (rounding), or no more than this many times
 /// the error with it.
@@ -32,6 +32,18 @@ pub(super) struct RoadFilter {
     pub gain: Option<f64>,
     pub roll_off_rad: Option<f64>,
     pub fit: ShapeFit,
+}
+
+impl RoadFilter {
+    /// The filter of a spectrum `scale`² as large.
+    pub fn times(mut self, scale: f64) -> Result<Self, SubspaceError> {
+        if scale != 1.0 {
+            let m = self.system.inputs();
+            self.system = self.system.times(&Mat::from_fn(m, m, |i, j| if i == j { scale } else { 0.0 }))?;
+            self.gain = self.gain.map(|k| k * scale);
+        }
+        Ok(self)
+    }
 }
 
 /// What is done with a feedthrough.
@@ -64,9 +76,9 @@ pub(super) fn choose(
     let mut tried = Vec::new();
     let mut best: Option<(f64, RoadFilter)> = None;
     let mut failure = None;
+    let mut problem = FilterProblem::new(omega, s, settings, feedthrough)?;
     for order in 1..=most {
-        let one = ShapeSettings { order: Order::Given(order), ..settings.clone() };
-        match fit_filter(omega, s, &one, feedthrough) {
+        match problem.fit(Order::Given(order)) {
             Err(e) => {
                 tried.push(FitOrder { order, log10_rms_error: None, bic: None });
                 failure = Some(e);
@@ -95,43 +107,89 @@ pub(super) fn choose(
     }
 }
 
-/// Fits the samples. Where no feedthrough may be, S(1 + ω²/ω_r²) is fitted and followed by ω_r/(s + ω_r): the low-pass bends nothing within the
-/// band, and a spectrum as steep as a road's becomes flat before it is fitted.
+/// Fits the samples, see [`FilterProblem`].
 pub(super) fn fit_filter(
     omega: &[f64],
     s: &[CMat],
     settings: &ShapeSettings,
     feedthrough: Feedthrough,
 ) -> Result<RoadFilter, SubspaceError> {
-    let low = omega.iter().copied().find(|w| *w > 0.0).unwrap_or(1.0);
-    let high = omega.last().copied().filter(|w| *w > 0.0).unwrap_or(1.0);
-    match feedthrough {
-        Feedthrough::RollOff(Some(corner)) => return rolled(omega, s, settings, corner, high),
-        Feedthrough::Keep => {
-            let fit = fit_shape(omega, s, settings)?;
-            return of(fit.filter.clone(), fit.zeros.clone(), high, None, fit);
-        }
-        Feedthrough::RollOff(None) => {}
+    FilterProblem::new(omega, s, settings, feedthrough)?.fit(settings.order)
+}
+
+/// Where no feedthrough may be, S(1 + ω²/ω_r²) is fitted and followed by ω_r/(s + ω_r): the low-pass bends nothing within the
+/// band, and a spectrum as steep as a road's becomes flat before it is fitted.
+struct FilterProblem<'a> {
+    omega: &'a [f64],
+    s: &'a [CMat],
+    /// Upper end of the band.
+    high: f64,
+    /// What is fitted, and with which ω_r.
+    ways: Vec<(Option<f64>, ShapeProblem<'a>)>,
+}
+
+impl<'a> FilterProblem<'a> {
+    fn new(
+        omega: &'a [f64],
+        s: &'a [CMat],
+        settings: &ShapeSettings,
+        feedthrough: Feedthrough,
+    ) -> Result<Self, SubspaceError> {
+        let low = omega.iter().copied().find(|w| *w > 0.0).unwrap_or(1.0);
+        let high = omega.last().copied().filter(|w| *w > 0.0).unwrap_or(1.0);
+        let ways = match feedthrough {
+            Feedthrough::Keep => vec![(None, ShapeProblem::new(omega, s, settings)?)],
+            Feedthrough::RollOff(Some(c)) => vec![(Some(c), lifted(omega, s, settings, c)?)],
+            Feedthrough::RollOff(None) => [CORNERS[0] * low, CORNERS[1] * high]
+                .into_iter()
+                .map(|c| Ok((Some(c), lifted(omega, s, settings, c)?)))
+                .collect::<Result<_, SubspaceError>>()?,
+        };
+        Ok(FilterProblem { omega, s, high, ways })
     }
-    let [below, beyond] = [CORNERS[0] * low, CORNERS[1] * high].map(|c| rolled(omega, s, settings, c, high));
-    match (below, beyond) {
-        // without a state for the low-pass, if one can
-        (Ok(a), Ok(b)) if a.roll_off_rad.is_none() != b.roll_off_rad.is_none() => {
-            Ok(if a.roll_off_rad.is_none() { a } else { b })
+
+    fn fit(&mut self, order: Order) -> Result<RoadFilter, SubspaceError> {
+        let (omega, s, high) = (self.omega, self.s, self.high);
+        let found: Vec<Result<RoadFilter, SubspaceError>> = self
+            .ways
+            .iter_mut()
+            .map(|(corner, problem)| {
+                let fit = problem.fit(order)?;
+                match *corner {
+                    None => of(fit.filter.clone(), fit.zeros.clone(), high, None, fit),
+                    Some(corner) => rolled(fit, omega, s, corner, high),
+                }
+            })
+            .collect();
+        let mut best: Option<RoadFilter> = None;
+        let mut failure = None;
+        for one in found {
+            match one {
+                Err(e) => failure = failure.or(Some(e)),
+                // without a state for the low-pass, if one can; else the nearer one
+                Ok(filter) => {
+                    let rank = |f: &RoadFilter| (f.roll_off_rad.is_some(), f.fit.log10_rms_error);
+                    if best.as_ref().is_none_or(|b| rank(&filter) < rank(b)) {
+                        best = Some(filter);
+                    }
+                }
+            }
         }
-        (Ok(a), Ok(b)) => Ok(if a.fit.log10_rms_error <= b.fit.log10_rms_error { a } else { b }),
-        (Ok(one), Err(_)) | (Err(_), Ok(one)) => Ok(one),
-        (Err(e), Err(_)) => Err(e),
+        match (best, failure) {
+            (Some(filter), _) => Ok(filter),
+            (None, Some(e)) => Err(e),
+            (None, None) => Err(SubspaceError::NoSplit { order: 0, inside: 0 }),
+        }
     }
 }
 
-fn rolled(
-    omega: &[f64],
+/// S(1 + ω²/ω_r²) with the weights of S.
+fn lifted<'a>(
+    omega: &'a [f64],
     s: &[CMat],
     settings: &ShapeSettings,
     corner: f64,
-    high: f64,
-) -> Result<RoadFilter, SubspaceError> {
+) -> Result<ShapeProblem<'a>, SubspaceError> {
     let lift: Vec<f64> = omega.iter().map(|w| 1.0 + (w / corner).powi(2)).collect();
     let lifted: Vec<CMat> = s.iter().zip(&lift).map(|(s, l)| s * faer::Scale(C64::new(*l, 0.0))).collect();
     let squares = |r: &[f64]| Weights::Variances(r.iter().zip(&lift).map(|(r, l)| r * l * l).collect());
@@ -141,13 +199,22 @@ fn rolled(
         ShapeWeights::Given(Weights::Variances(r)) => ShapeWeights::Given(squares(r)),
         other => other.clone(),
     };
-    let fit = fit_shape(omega, &lifted, &ShapeSettings { weights, ..settings.clone() })?;
-    let m = fit.filter.outputs();
-    let eye = |v: f64| Mat::from_fn(m, m, |i, j| if i == j { v } else { 0.0 });
-    let low_pass = StateSpace::continuous(eye(-corner), eye(corner), eye(1.0), Mat::zeros(m, m))?;
+    ShapeProblem::new(omega, &lifted, &ShapeSettings { weights, ..settings.clone() })
+}
+
+fn rolled(
+    fit: ShapeFit,
+    omega: &[f64],
+    s: &[CMat],
+    corner: f64,
+    high: f64,
+) -> Result<RoadFilter, SubspaceError> {
     if let Some((system, zeros)) = without_low_pass(&fit, omega, s, corner)? {
         return of(system, zeros, high, None, fit);
     }
+    let m = fit.filter.outputs();
+    let eye = |v: f64| Mat::from_fn(m, m, |i, j| if i == j { v } else { 0.0 });
+    let low_pass = StateSpace::continuous(eye(-corner), eye(corner), eye(1.0), Mat::zeros(m, m))?;
     let (system, zeros) = (fit.filter.series(&low_pass)?, fit.zeros.clone());
     of(system, zeros, high, Some(corner), fit)
 }

@@ -24,6 +24,6 @@ pub use interpolation::{
 pub use positivity::Repair;
 pub use range::Route;
 pub use samples::{Samples, Weights};
-pub use shape::{ShapeFit, ShapeSettings, ShapeWeights, fit_shape};
+pub use shape::{ShapeFit, ShapeProblem, ShapeSettings, ShapeWeights, fit_shape};
 pub use spectrum::{Order, OrderTried, SpectrumModel, SpectrumSettings, Unpaired, fit_spectrum};
 pub use summand::Summand;

@@ -114,8 +114,16 @@ pub fn fit_spectrum(samples: &Samples, settings: &SpectrumSettings) -> Result<Sp
         Order::Given(n) => Some(n),
         Order::AtMost(_) => None,
     };
-    let range = Range::of(samples, p, given, settings.moments)?;
-    let problem = Problem { samples, settings, range: &range };
+    fit_in_range(samples, settings, &Range::of(samples, p, given, settings.moments)?)
+}
+
+/// The same in a range that is known, of as many block rows.
+pub(super) fn fit_in_range(
+    samples: &Samples,
+    settings: &SpectrumSettings,
+    range: &Range,
+) -> Result<SpectrumModel, SubspaceError> {
+    let problem = Problem { samples, settings, range };
     match settings.order {
         Order::Given(n) => problem.given(n),
         Order::AtMost(most) => problem.at_most(most),

@@ -99,15 +99,8 @@ impl LeastSquares {
         let unknowns = symmetric.len() + n * m;
         // columns of χ alike in size
         let scale: Vec<f64> = (0..n).map(|j| c.subcols(j, 1).norm_l2().max(f64::MIN_POSITIVE)).collect();
-        let mut failed = None;
         let fill = |k: usize, mut rows: faer::MatMut<'_, f64>| {
-            let chi = match chi(&a, &c, samples.theta_rad()[k]) {
-                Ok(chi) => chi,
-                Err(e) => {
-                    failed = Some(e);
-                    return;
-                }
-            };
+            let chi = chi(&a, &c, samples.theta_rad()[k])?;
             let whiten = inverse(&half_of(samples.weights(), k, m));
             let mut put = |column: usize, value: &dyn Fn(usize, usize) -> C64| {
                 for i in 0..m {
@@ -133,11 +126,9 @@ impl LeastSquares {
                 }
             }
             put(unknowns, &|i, j| samples.s()[k][(i, j)]);
+            Ok(())
         };
-        let r = accumulated(samples.count(), unknowns + 1, fill, 2 * m * m);
-        if let Some(e) = failed {
-            return Err(e.into());
-        }
+        let r = accumulated(samples.count(), unknowns + 1, fill, 2 * m * m)?;
         let triangle = r.submatrix(0, 0, unknowns, unknowns).to_owned();
         let largest = (0..unknowns).map(|i| triangle[(i, i)].abs()).fold(0.0, f64::max);
         let least = (0..unknowns).map(|i| triangle[(i, i)].abs()).fold(f64::INFINITY, f64::min);
