@@ -46,6 +46,7 @@ mod profile_file;
 mod respond;
 mod ride;
 mod road_analytic;
+mod road_analytic_data;
 mod road_fit;
 mod road_fit_file;
 mod road_fit_filter;

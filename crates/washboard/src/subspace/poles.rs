@@ -11,6 +11,8 @@ const POLE_AT_ZERO: f64 = 1e8;
 /// An eigenvalue this near to the circle is on it: a pole there is double (itself and its inverse), and rounding parts a
 /// double one by its root (1e-12 where moments are used).
 const ON_CIRCLE: f64 = 1e-6;
+/// Stands for a pole at infinity, with an inverse.
+const INFINITE: f64 = 1e100;
 /// A pole on the circle is put inside by this share of its distance from the nearest sample: the density there changes by its
 /// square, 1e-4.
 const INSIDE: f64 = 1e-2;
@@ -37,7 +39,7 @@ pub(super) fn poles(
         Shift::bilinear(&down, &up)?
     };
     let schur = RealSchur::new(&shift.matrix)?;
-    let clear = |v: &C64| unpaired == Unpaired::Refuse || (shift.pole(*v).norm() - 1.0).abs() >= ON_CIRCLE;
+    let clear = |v: &C64| unpaired == Unpaired::Refuse || !((shift.pole(*v).norm() - 1.0).abs() < ON_CIRCLE);
     let all_clear = schur.eigenvalues().iter().all(clear);
     let (ordered, inside) = schur.reordered(|v| shift.size(v) < 1.0)?;
     let (t, q) = (&ordered.t, &ordered.q);
@@ -87,7 +89,11 @@ impl Shift {
 
     fn pole(&self, value: C64) -> C64 {
         let one = C64::new(1.0, 0.0);
-        if self.bilinear { (one + value) / (one - value) } else { value }
+        if !self.bilinear {
+            return value;
+        }
+        // the mirror image of a pole at 0
+        if value == one { C64::new(INFINITE, 0.0) } else { (one + value) / (one - value) }
     }
 }
 
