@@ -3,7 +3,9 @@
 use super::FitOrder;
 use crate::linalg::{C64, CMat, Mat, solve};
 use crate::lti::{Continuous, StateSpace};
-use crate::subspace::{Order, ShapeFit, ShapeProblem, ShapeSettings, ShapeWeights, SubspaceError, Weights};
+use crate::subspace::{
+    Order, ShapeFit, ShapeProblem, ShapeSettings, ShapeWeights, SubspaceError, Weights, log10_errors,
+};
 
 /// A filter without the low-pass's state is taken if its log₁₀ error is below this (rounding), or no more than this many times
 /// the error with it.
@@ -248,16 +250,9 @@ fn without_low_pass(
 
 /// Root mean square of log₁₀ of fitted over given trace.
 fn log10_rms_error(g: &StateSpace<Continuous>, omega: &[f64], s: &[CMat]) -> Result<f64, SubspaceError> {
-    let (mut sum, mut count) = (0.0, 0);
-    for (w, s) in omega.iter().zip(s) {
-        let trace: f64 = (0..s.nrows()).map(|i| s[(i, i)].re).sum();
-        if trace > 0.0 {
-            let fitted = g.at(C64::new(0.0, *w))?.norm_l2().powi(2);
-            sum += (fitted / trace).log10().powi(2);
-            count += 1;
-        }
-    }
-    Ok((sum / f64::from(count.max(1))).sqrt())
+    let traces: Vec<f64> = s.iter().map(|s| (0..s.nrows()).map(|i| s[(i, i)].re).sum()).collect();
+    let errors = log10_errors(g, omega, &traces)?;
+    Ok((errors.iter().map(|e| e * e).sum::<f64>() / errors.len().max(1) as f64).sqrt())
 }
 
 /// States scaled, roots sorted, the gain made positive.

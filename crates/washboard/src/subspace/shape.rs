@@ -5,7 +5,8 @@ use super::range::{Range, Route};
 use super::samples::{Samples, Weights};
 use super::spectrum::{Order, SpectrumModel, SpectrumSettings, Unpaired, check, fit_in_range};
 use crate::linalg::{C64, CMat, Mat};
-use crate::lti::{Continuous, StateSpace};
+use crate::lti::{Continuous, LtiError, StateSpace};
+use rayon::prelude::*;
 use std::f64::consts::PI;
 
 /// Poles and zeros nearer to the circle's −1 than this are at infinity.
@@ -207,14 +208,7 @@ impl<'a> ShapeProblem<'a> {
         } else {
             (Vec::new(), f64::NAN)
         };
-        let mut errors = Vec::new();
-        for (w, trace) in self.omega.iter().zip(&self.traces) {
-            let h = filter.at(C64::new(0.0, *w))?;
-            let fitted = h.norm_l2().powi(2);
-            if *trace > 0.0 {
-                errors.push((fitted / trace).log10());
-            }
-        }
+        let errors = log10_errors(&filter, self.omega, &self.traces)?;
         let count = errors.len().max(1) as f64;
         let log10_rms_error = (errors.iter().map(|e| e * e).sum::<f64>() / count).sqrt();
         let log10_max_error = errors.iter().map(|e| e.abs()).fold(0.0, f64::max);
@@ -232,6 +226,18 @@ impl<'a> ShapeProblem<'a> {
             model,
         })
     }
+}
+
+/// log₁₀ of fitted over given trace, where that is above 0.
+pub(crate) fn log10_errors(
+    g: &StateSpace<Continuous>,
+    omega: &[f64],
+    traces: &[f64],
+) -> Result<Vec<f64>, LtiError> {
+    let kept: Vec<(f64, f64)> =
+        omega.iter().copied().zip(traces.iter().copied()).filter(|(_, t)| *t > 0.0).collect();
+    let one = |(w, t): &(f64, f64)| Ok((g.at(C64::new(0.0, *w))?.norm_l2().powi(2) / t).log10());
+    kept.par_iter().map(one).collect()
 }
 
 fn check_frequencies(omega: &[f64]) -> Result<(), SubspaceError> {
