@@ -137,7 +137,7 @@ fn quarter_car_loop(noise: f64) -> Plant {
     let z = ["sprung_acceleration", "suspension_travel", "tire_deflection"].map(output);
     let y = ["suspension_travel"].map(output);
     let settings = PlantSettings {
-        road: &road,
+        road: (&road).into(),
         speed_m_s: 20.0,
         disturbance: Disturbance::RoadVelocity,
         delay_order: 4,
@@ -189,7 +189,7 @@ fn sweep() -> (f64, f64) {
         let y: Vec<&Output> = car.outputs().iter().filter(|o| o.base == bases[0]).collect();
         assert_eq!((z.len(), y.len()), (11, 4));
         let disturbance = Disturbance::RoadNoise;
-        let settings = PlantSettings { road: &road, speed_m_s: 20.0, disturbance, delay_order: 4 };
+        let settings = PlantSettings { road: (&road).into(), speed_m_s: 20.0, disturbance, delay_order: 4 };
         let plant = car.plant(&z, &y, &settings).unwrap();
         let passive = plant.passive().h2_of_outputs().unwrap();
         let weights: Vec<f64> = passive.iter().map(|r| 1.0 / r).collect();

@@ -36,7 +36,7 @@ fn plant(
     z.extend(of("tire_deflection"));
     z.extend([car.output("heave_acceleration")?, car.output("pitch_acceleration")?]);
     let disturbance = Disturbance::RoadNoise;
-    let settings = PlantSettings { road: &road, speed_m_s, disturbance, delay_order };
+    let settings = PlantSettings { road: (&road).into(), speed_m_s, disturbance, delay_order };
     Ok(car.plant(&z, &travels, &settings)?.with_weights(lambda)?)
 }
 

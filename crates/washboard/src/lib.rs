@@ -62,6 +62,7 @@ pub mod identify;
 pub mod linalg;
 pub mod lti;
 pub mod metrics;
+pub mod optimize;
 pub mod report;
 pub mod road;
 pub mod signal;

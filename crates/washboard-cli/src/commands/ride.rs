@@ -1,7 +1,7 @@
 //! `washboard ride`: rms and spectra of a vehicle's responses on a road.
 
 use crate::output::{Failure, Output};
-use crate::table::{Table, number};
+use crate::table::{Table, number, wrapped};
 use clap::Args;
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -80,7 +80,8 @@ fn table(outcome: &RideOutcome) -> String {
         }
     }
     let notes = reasons.iter().map(|(why, of)| format!("infinite: {}: {why}\n", of.join(", ")));
-    table.text() + &notes.collect::<String>()
+    let said = outcome.notes.iter().map(|n| wrapped(&format!("note: {}", n.text)));
+    table.text() + &notes.chain(said).collect::<String>()
 }
 
 const PLACES: [&str; 6] = ["front", "rear", "front_left", "front_right", "rear_left", "rear_right"];

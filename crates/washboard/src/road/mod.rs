@@ -1,7 +1,10 @@
 //! Roads: the spectrum of one track, the coherence of parallel tracks, and both under the wheels of a moving vehicle.
 
 mod coherence;
+mod excitation;
 mod filter;
+mod matrix_filter;
+mod matrix_filter_file;
 mod measured;
 mod profile;
 mod spec;
@@ -11,13 +14,16 @@ mod spectrum;
 mod under_wheels;
 
 pub use coherence::Coherence;
+pub use excitation::Excitation;
+pub(crate) use excitation::WheelFilter;
 pub use filter::{Shapes, ShapingFilter};
+pub use matrix_filter::MatrixFilter;
+pub use matrix_filter_file::{MatrixFilterKind, MatrixFilterSpec};
 pub(crate) use measured::detrended;
 pub use measured::{MeasuredSpectrum, spectrum_of_profile};
 pub use profile::{ProfileSettings, random_profile};
 pub use spec::{CoherenceSpec, FilterOutput, FilterVariable, RoadKind, RoadSpec};
 pub use spectrum::{IsoClass, Spectrum};
-pub(crate) use under_wheels::wheel_spectrum_without_delayed;
 pub use under_wheels::{SAME_TRACK_M, wheel_spectrum};
 
 use thiserror::Error;

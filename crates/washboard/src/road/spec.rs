@@ -59,6 +59,9 @@ pub struct RoadSpec {
     pub of: Option<FilterOutput>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub variable: Option<FilterVariable>,
+    /// Band of the data that a filter was fitted to, rad/s, or rad/m over distance.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub fitted_band_rad: Option<[f64; 2]>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub coherence: Option<CoherenceSpec>,
 }

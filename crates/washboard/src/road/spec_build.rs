@@ -104,8 +104,10 @@ impl RoadSpec {
                 need("data", table)?
             }
             RoadKind::Filter => {
-                let fields = ["a", "b", "c", "d", "poles", "zeros", "gain", "of", "variable"];
+                let fields =
+                    ["a", "b", "c", "d", "poles", "zeros", "gain", "of", "variable", "fitted_band_rad"];
                 self.only("filter", &fields)?;
+                super::matrix_filter::check_fitted_band(self.fitted_band_rad)?;
                 Spectrum::Filter(self.filter()?)
             }
         };

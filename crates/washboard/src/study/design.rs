@@ -31,7 +31,7 @@ pub fn design(spec: &DesignSpec) -> Result<(DesignOutcome, Vec<Input>), StudyErr
         passive: problem.measure(None)?,
         objective: Named::default(),
         warnings: Vec::new(),
-        notes: design_words::expanded(&problem),
+        notes: problem.ground.notes.iter().cloned().chain(design_words::expanded(&problem)).collect(),
         units: problem.units(),
         gains: Gains::default(),
         forces: Named::default(),

@@ -21,7 +21,7 @@ pub(super) fn check(problem: &Problem) -> Result<(), StudyError> {
     if y != ["suspension_travel"] {
         return setting("measurements", "[\"suspension_travel\"] for method interpolation", y.join(", "));
     }
-    if problem.road.road.spectrum().white_intensity(problem.spec.speed_m_s).is_none() {
+    if problem.ground.excitation().white_intensity(problem.spec.speed_m_s).is_none() {
         return setting("road", "white road velocity for method interpolation", problem.spec.road.clone());
     }
     Ok(())
@@ -51,7 +51,7 @@ pub(super) fn by_interpolation(
         fictitious_tire_damping: section.fictitious_tire_damping_n_s_per_m,
         psi,
         sensor_noise: spec.lqg.sensor_noise,
-        road_velocity_intensity: problem.road.road.spectrum().white_intensity(spec.speed_m_s).unwrap_or(1.0),
+        road_velocity_intensity: problem.ground.excitation().white_intensity(spec.speed_m_s).unwrap_or(1.0),
     };
     let car = QuarterCar::new(&numbers).map_err(stuck)?;
     let found = hybrid(&car, &settings)

@@ -61,7 +61,7 @@ impl Problem {
             })
             .transpose()
             .map_err(|e| fail(e.into()))?;
-        let (road, speed) = (&self.road.road, self.spec.speed_m_s);
+        let (road, speed) = (self.ground.excitation(), self.spec.speed_m_s);
         let ride = match &control {
             Some(c) => Ride::controlled(&self.vehicle, road, speed, c),
             None => Ride::new(&self.vehicle, road, speed),

@@ -3,7 +3,8 @@
 pub(super) use super::design_measure::Norm;
 use super::design_measure::floor;
 use super::design_outputs::{finite, once, outputs, settles, settling, shown};
-use super::{DesignMethod, DesignSpec, LoadedRoad, Named, StudyError, load_road, load_vehicle};
+use super::ground::{Ground, ground};
+use super::{DesignMethod, DesignSpec, Named, StudyError, load_vehicle};
 use crate::lti::{GeneralizedPlant, LtiError};
 use crate::vehicle::{Output, PlantSettings, Vehicle, VehicleSpec};
 
@@ -13,7 +14,7 @@ pub(super) struct Problem {
     /// The vehicle's file, overrides in it.
     pub file: VehicleSpec,
     pub vehicle: Vehicle,
-    pub road: LoadedRoad,
+    pub ground: Ground,
     /// Outputs with a finite response, all of the vehicle's: what is reported.
     pub reported: Vec<Output>,
     pub measurements: Vec<Output>,
@@ -35,7 +36,7 @@ pub(super) struct GoalBlock {
 impl Problem {
     pub fn new(spec: &DesignSpec, norm: Norm) -> Result<Self, StudyError> {
         let loaded = load_vehicle(&spec.vehicle)?;
-        let road = load_road(&spec.road)?;
+        let (ground, standing, road_inputs) = ground(&loaded, &spec.road, spec.speed_m_s)?;
         if spec.method == DesignMethod::Interpolation && loaded.spec.quarter_car.is_none() {
             return Err(StudyError::Setting {
                 field: "vehicle",
@@ -49,25 +50,16 @@ impl Problem {
             let all: Vec<(String, f64)> =
                 spec.r#override.iter().chain(more.iter()).map(|(n, v)| (n.to_owned(), *v)).collect();
             if all.is_empty() {
-                return Ok(loaded.vehicle.clone());
+                return Ok(standing.clone());
             }
-            let chassis = loaded.chassis.clone();
             let changed = loaded.spec.with_overrides(&all).map_err(of_file)?;
-            changed
-                .build(|wanted| {
-                    chassis.ok_or_else(|| crate::vehicle::VehicleError::Field {
-                        field: "chassis".into(),
-                        expected: "a vehicle file or case",
-                        found: wanted.to_owned(),
-                    })
-                })
-                .map_err(of_file)
+            ground.vehicle(&changed, loaded.chassis.as_ref()).map_err(of_file)
         };
         let overrides: Vec<(String, f64)> = spec.r#override.iter().map(|(n, v)| (n.to_owned(), *v)).collect();
         let file = loaded.spec.with_overrides(&overrides).map_err(of_file)?;
         let vehicle = build(&Named::default())?;
         let settings = PlantSettings {
-            road: &road.road,
+            road: ground.excitation(),
             speed_m_s: spec.speed_m_s,
             disturbance: spec.disturbance.into(),
             delay_order: spec.delay_order,
@@ -147,8 +139,18 @@ impl Problem {
             }
             goals.push(GoalBlock { name: name.to_owned(), members, weight: *weight, passive });
         }
-        let inputs = loaded.inputs.into_iter().chain(road.inputs.clone()).collect();
-        Ok(Problem { spec: spec.clone(), file, vehicle, road, reported, measurements, goals, plant, inputs })
+        let inputs = loaded.inputs.into_iter().chain(road_inputs).collect();
+        Ok(Problem {
+            spec: spec.clone(),
+            file,
+            vehicle,
+            ground,
+            reported,
+            measurements,
+            goals,
+            plant,
+            inputs,
+        })
     }
 
     /// The plant whose performances are the goals, weighted over their passive norms.

@@ -80,7 +80,7 @@ pub(super) fn louder(problem: &Problem, passive: &Measured, measured: &Measured)
     let worse: Vec<String> = worse.collect();
     let spec = &problem.spec;
     let road = match spec.disturbance {
-        DesignDisturbance::RoadVelocity => problem.road.road.spectrum().white_intensity(spec.speed_m_s),
+        DesignDisturbance::RoadVelocity => problem.ground.excitation().white_intensity(spec.speed_m_s),
         DesignDisturbance::RoadNoise => Some(1.0),
         DesignDisturbance::RoadDisplacement => None,
     };

@@ -3,6 +3,7 @@
 use super::drives::cannot_start;
 use super::fit_generic::values;
 use super::identify::{Files, Task, blank};
+use super::identify_agreement::{CarFit, differences};
 use super::identify_evidence::{FitQuality, OrderTried, RejectedMode, StartTried};
 use super::identify_outcome::{Flag, IdentifiedMode, IdentifyOutcome, RunSummary, ShapeValue};
 use super::identify_physical::{Fitted, Refusal, fitted, modes};
@@ -222,6 +223,10 @@ fn fill(outcome: &mut IdentifyOutcome, found: &FreeOutcome, fitted: &Fitted<'_>,
     parts::criteria(outcome);
     let (road, coherence) = parts::road(&drive.task, drive.speed_m_s, &RoadEstimate::of_free(found));
     (outcome.road, outcome.coherence) = (Some(road), coherence);
+    if let Some(flag) = differs_from_car(outcome, found, fitted) {
+        outcome.converged = false;
+        outcome.flags.push(flag);
+    }
     outcome.delay_s = found.delay_s.map(|d| d.value);
     outcome.delay_sd_s = found.delay_s.map(|d| d.sd);
     outcome.noise = parts::noise(&drive.task, &found.noise);
@@ -265,6 +270,20 @@ fn fill(outcome: &mut IdentifyOutcome, found: &FreeOutcome, fitted: &Fitted<'_>,
             100.0 * found.static_spread
         ),
     });
+}
+
+/// Where the car explains the same spectra.
+fn differs_from_car(outcome: &IdentifyOutcome, found: &FreeOutcome, fitted: &Fitted<'_>) -> Option<Flag> {
+    let own = fitted.found.problems.is_empty().then_some(&fitted.found)?;
+    let road = own.drives.first()?;
+    let car = CarFit {
+        modes: &modes(own, &fitted.vehicle, false),
+        roughness_m3: road.roughness_m3.value,
+        exponent: road.exponent.value,
+        mu: road.mu.map(|m| m.value),
+    };
+    let free = found.system.order() / 2;
+    differences(&outcome.modes, outcome.road.as_ref(), outcome.coherence.as_ref(), free, &car)
 }
 
 /// Oscillatory modes that the sensors determine, labelled by the physical fit's; the others with their reason.

@@ -3,7 +3,7 @@
 use super::{Input, StudyError};
 use crate::cases::{self, CaseKind};
 use crate::files::{FileError, parse_toml, read_text};
-use crate::road::{Road, RoadSpec};
+use crate::road::{MatrixFilter, MatrixFilterSpec, Road, RoadError, RoadSpec};
 use crate::vehicle::{Vehicle, VehicleError, VehicleSpec};
 use serde::de::DeserializeOwned;
 use std::path::{Path, PathBuf};
@@ -34,6 +34,28 @@ pub struct LoadedRoad {
     pub road: Road,
     /// Every file that was read.
     pub inputs: Vec<Input>,
+}
+
+/// A filter of all road inputs of a vehicle, with what it was made from.
+#[derive(Debug, Clone)]
+pub struct LoadedFilter {
+    /// As it was named.
+    pub name: String,
+    /// As it is written.
+    pub spec: MatrixFilterSpec,
+    /// Ready to drive a vehicle.
+    pub filter: MatrixFilter,
+    /// Every file that was read.
+    pub inputs: Vec<Input>,
+}
+
+/// What a ROAD may be where a vehicle stands on it.
+#[derive(Debug, Clone)]
+pub enum LoadedExcitation {
+    /// Tracks under its wheels.
+    Road(Box<LoadedRoad>),
+    /// All its road inputs at once.
+    Points(Box<LoadedFilter>),
 }
 
 /// The vehicle of a name; a cabin's `chassis` is a case, or a file relative to the one that names it.
@@ -70,24 +92,51 @@ pub fn load_vehicle(name: &str) -> Result<LoadedVehicle, StudyError> {
 /// # Errors
 /// As [`load_vehicle`].
 pub fn load_road(name: &str) -> Result<LoadedRoad, StudyError> {
-    let (mut spec, input) = read::<RoadSpec>(name, CaseKind::Road)?;
+    match load_excitation(name)? {
+        LoadedExcitation::Road(road) => Ok(*road),
+        LoadedExcitation::Points(filter) => {
+            let expected = "a road of tracks (a matrix-filter is for ride and design)";
+            let found = format!("a matrix-filter of {} points", filter.filter.size());
+            let source = RoadError::Field { field: "kind", expected, found };
+            Err(StudyError::Road { name: name.to_owned(), source })
+        }
+    }
+}
+
+/// The road of a name, or the filter of all road inputs that its file holds.
+///
+/// # Errors
+/// As [`load_vehicle`].
+pub fn load_excitation(name: &str) -> Result<LoadedExcitation, StudyError> {
+    let path = Path::new(name);
+    let (text, input) = text(name, CaseKind::Road)?;
     let mut inputs = vec![input];
+    if MatrixFilterSpec::is_meant(&text) {
+        let (spec, filter) = MatrixFilterSpec::parse(&text, path)?;
+        let loaded = LoadedFilter { name: name.to_owned(), spec, filter, inputs };
+        return Ok(LoadedExcitation::Points(Box::new(loaded)));
+    }
+    let mut spec: RoadSpec = parse_toml(&text, path)?;
     if let Some(data) = &mut spec.data {
         *data = PathBuf::from(beside(name, &data.to_string_lossy()));
         inputs.push(Input::of_file(data)?);
     }
-    let road = spec.build_in(Path::new(name))?;
-    Ok(LoadedRoad { name: name.to_owned(), spec, road, inputs })
+    let road = spec.build_in(path)?;
+    Ok(LoadedExcitation::Road(Box::new(LoadedRoad { name: name.to_owned(), spec, road, inputs })))
 }
 
 fn read<T: DeserializeOwned>(name: &str, kind: CaseKind) -> Result<(T, Input), StudyError> {
-    let path = Path::new(name);
+    let (text, input) = text(name, kind)?;
+    Ok((parse_toml(&text, Path::new(name))?, input))
+}
+
+fn text(name: &str, kind: CaseKind) -> Result<(String, Input), StudyError> {
     let text = match name.strip_prefix("case:") {
         Some(case) => cases::find(case, kind)?.toml,
-        None => read_text(path).map_err(|e| did_you_mean_a_case(e, name, kind))?,
+        None => read_text(Path::new(name)).map_err(|e| did_you_mean_a_case(e, name, kind))?,
     };
-    let value = parse_toml(&text, path)?;
-    Ok((value, Input::of(name, text.as_bytes())))
+    let input = Input::of(name, text.as_bytes());
+    Ok((text, input))
 }
 
 /// A file that does not exist, but whose name a case has.

@@ -25,7 +25,9 @@ mod drives;
 mod envelope;
 mod error;
 mod fit_generic;
+mod ground;
 mod identify;
+mod identify_agreement;
 mod identify_evidence;
 mod identify_operational;
 mod identify_outcome;
@@ -50,6 +52,7 @@ mod road_analytic_data;
 mod road_fit;
 mod road_fit_file;
 mod road_fit_filter;
+mod road_fit_order;
 mod road_fit_source;
 mod road_fit_words;
 mod road_iri;
@@ -84,11 +87,13 @@ pub use identify_outcome::*;
 pub use interpolation::{
     InterpolateOutcome, InterpolateSpec, InterpolateStatus, check_interpolation_target, interpolate_file,
 };
-pub use load::{LoadedRoad, LoadedVehicle, load_road, load_vehicle};
+pub use load::{
+    LoadedExcitation, LoadedFilter, LoadedRoad, LoadedVehicle, load_excitation, load_road, load_vehicle,
+};
 pub use modes::{ModesOutcome, VehicleMode, VehicleModeKind, modes};
 pub use named::Named;
 pub use respond::{BumpOutcome, Direction, GainsOutcome, RespondOutcome, respond};
-pub use ride::{Infinite, RideOutcome, RideSpectra, Rms, ride};
+pub use ride::{BeyondBand, Infinite, RideOutcome, RideSpectra, Rms, ride};
 pub use road_analytic::{AnalyticSamples, RoadAnalyticOutcome, RoadAnalyticRun, road_analytic};
 pub use road_fit::{FitOrder, FittedSpectrum, RoadFitOutcome, RoadFitRun, road_fit};
 pub use road_fit_source::FitSource;

@@ -3,7 +3,8 @@
 use super::identify_outcome::Flag;
 use super::new_file::check_new_file;
 use super::road_fit_file::{check_name, filter_file, road_of};
-use super::road_fit_filter::{Choice, Feedthrough, RoadFilter, choose, fit_filter};
+use super::road_fit_filter::{Feedthrough, RoadFilter, fit_filter};
+use super::road_fit_order::{Choice, choose};
 use super::road_fit_source::{FitSamples, FitSource, read_source};
 use super::road_fit_words::notes;
 use super::spectrum_smooth::averages;
@@ -74,6 +75,10 @@ pub struct RoadFitOutcome {
     pub weight: String,
     /// Corner of the low-pass that makes the filter strictly proper.
     pub roll_off_rad: Option<f64>,
+    /// How many times it is passed.
+    pub roll_off_order: usize,
+    /// Names of the road inputs of a matrix.
+    pub points: Vec<String>,
     /// 2n of them stand out where there are n states.
     pub singular_values: Vec<f64>,
     /// The orders that were tried, where one was to be chosen.
@@ -127,13 +132,16 @@ pub fn road_fit(spec: &RoadFitSpec) -> Result<RoadFitRun, StudyError> {
     check_settings(spec)?;
     let mut samples = read_source(spec)?;
     if let Some(output) = &spec.output {
-        check_name(output, samples.s.first().map_or(1, |s| s.nrows()))?;
+        check_name(output)?;
     }
+    check_points(&spec.points, size(&samples))?;
     let (settings, most, weight) = settings(spec, &samples)?;
     let scale = scale_of(&mut samples);
+    // points move what stands on them by dampers too: their velocities must not be white
+    let roll_off_order = spec.roll_off_order.unwrap_or(if size(&samples) > 1 { 2 } else { 1 });
     let feedthrough = match (samples.of, spec.proper, spec.roll_off_rad) {
         (_, true, _) | (FilterOutput::Velocity, _, None) => Feedthrough::Keep,
-        (_, _, corner) => Feedthrough::RollOff(corner),
+        (_, _, corner) => Feedthrough::RollOff(corner, roll_off_order),
     };
     let fail = |source| StudyError::Shape { name: spec.source.clone(), source: Box::new(source) };
     let (omega, s) = (&samples.omega, &samples.s);
@@ -184,6 +192,8 @@ pub fn road_fit(spec: &RoadFitSpec) -> Result<RoadFitRun, StudyError> {
         p: filter.fit.block_rows,
         weight: weight.to_owned(),
         roll_off_rad: filter.roll_off_rad,
+        roll_off_order,
+        points: spec.points.clone(),
         singular_values: model.singular_values.clone(),
         orders,
         spectrum,
@@ -204,6 +214,36 @@ pub fn road_fit(spec: &RoadFitSpec) -> Result<RoadFitRun, StudyError> {
         _ => None,
     };
     Ok(RoadFitRun { outcome, file, inputs: samples.inputs })
+}
+
+/// Channels of the spectrum.
+fn size(samples: &FitSamples) -> usize {
+    samples.s.first().map_or(1, |s| s.nrows())
+}
+
+/// Names of road inputs are as many as the spectrum has channels, each once.
+fn check_points(points: &[String], m: usize) -> Result<(), StudyError> {
+    let setting =
+        |expected: String, found: String| Err(StudyError::Setting { field: "points", expected, found });
+    if points.is_empty() {
+        return Ok(());
+    }
+    if m == 1 {
+        return setting("none: they name the channels of a matrix spectrum".into(), points.join(","));
+    }
+    if points.len() != m {
+        return setting(
+            format!("{m} names, one a channel of the spectrum"),
+            format!("{} names", points.len()),
+        );
+    }
+    if let Some(i) = (1..m).find(|i| points[..*i].contains(&points[*i])) {
+        return setting("every name once".into(), format!("`{}` twice", points[i]));
+    }
+    if points.iter().any(|p| p.trim().is_empty()) {
+        return setting("names".into(), "an empty one".into());
+    }
+    Ok(())
 }
 
 fn check_settings(spec: &RoadFitSpec) -> Result<(), StudyError> {
@@ -227,10 +267,13 @@ fn check_settings(spec: &RoadFitSpec) -> Result<(), StudyError> {
             return setting(field, &format!("a number from 1 to {most}"), value.unwrap_or(0).to_string());
         }
     }
+    if let Some(times) = spec.roll_off_order.filter(|k| !(1..=2).contains(k)) {
+        return setting("roll_off_order", "1 or 2", times.to_string());
+    }
     if spec.order.is_some() && spec.max_order.is_some() {
         return setting("max_order", "either order or max_order", "both".into());
     }
-    if spec.proper && spec.roll_off_rad.is_some() {
+    if spec.proper && (spec.roll_off_rad.is_some() || spec.roll_off_order.is_some()) {
         return setting("proper", "either a roll-off or a filter that keeps its feedthrough", "both".into());
     }
     if let Some([low, high]) = spec.band_rad
@@ -284,7 +327,7 @@ fn settings(
         unpaired: Unpaired::Fold,
         roll_off_rad: None,
     };
-    Ok((settings, spec.max_order.unwrap_or(MOST_ORDER).min(allowed), name))
+    Ok((settings, spec.max_order.unwrap_or((MOST_ORDER * m).min(MOST)).min(allowed), name))
 }
 
 /// A power of two by which a filter is larger than that of the samples as they are now, where densities were too large or too small for

@@ -1,24 +1,18 @@
-//! The file of a fitted filter: a road file of one track, or a state space of any number.
+//! The file of a fitted filter: a road file, of one track or of all inputs of a vehicle, or a state space.
 
 use super::StudyError;
 use super::road_fit::{RoadFitOutcome, pairs};
 use super::road_fit_filter::RoadFilter;
 use super::road_fit_source::FitSamples;
 use crate::files::FileError;
-use crate::road::{RoadKind, RoadSpec};
+use crate::road::{MatrixFilterKind, MatrixFilterSpec, RoadKind, RoadSpec};
+use serde::Serialize;
 use std::path::Path;
 
-/// Refuses another ending than `.toml` (one track) and `.json`.
-pub(super) fn check_name(path: &Path, m: usize) -> Result<(), FileError> {
+/// Refuses another ending than `.toml` and `.json`.
+pub(super) fn check_name(path: &Path) -> Result<(), FileError> {
     match path.extension().and_then(|e| e.to_str()) {
-        Some("json") => Ok(()),
-        Some("toml") if m == 1 => Ok(()),
-        Some("toml") => {
-            let message = format!(
-                "a road file has one track, and this filter has {m}: expected a name that ends in .json, for its state space"
-            );
-            Err(FileError::content(path, None, message))
-        }
+        Some("json" | "toml") => Ok(()),
         _ => {
             let message = "expected a name that ends in .toml (a road file) or .json (a state space)";
             Err(FileError::content(path, None, message))
@@ -41,6 +35,7 @@ pub(super) fn road_of(filter: &RoadFilter, samples: &FitSamples) -> RoadSpec {
         gain: filter.gain,
         of: Some(samples.of),
         variable: Some(samples.variable),
+        fitted_band_rad: Some(filter.fit.band_rad),
         coherence: samples.coherence,
         ..RoadSpec::default()
     }
@@ -58,9 +53,25 @@ pub(super) fn filter_file(
             "a": outcome.a, "b": outcome.b, "c": outcome.c, "d": outcome.d,
             "poles": outcome.poles, "zeros": outcome.zeros, "gain": outcome.gain,
             "of": outcome.of, "variable": outcome.variable, "band": outcome.band, "unit": outcome.unit,
-            "log10_rms_error": outcome.log10_rms_error,
+            "points": outcome.points, "log10_rms_error": outcome.log10_rms_error,
         });
         return Ok(format!("{value:#}\n").into_bytes());
+    }
+    if outcome.c.len() > 1 {
+        let filter = MatrixFilterSpec {
+            kind: MatrixFilterKind::MatrixFilter,
+            of: outcome.of,
+            variable: outcome.variable,
+            points: outcome.points.clone(),
+            fitted_band_rad: Some(outcome.band),
+            a: outcome.a.clone(),
+            b: outcome.b.clone(),
+            c: outcome.c.clone(),
+            d: Some(outcome.d.clone()),
+        };
+        // what is written can be read
+        filter.build().map_err(|e| FileError::content(path, None, e.to_string()))?;
+        return written(path, &filter, outcome, source);
     }
     let column = |m: &[Vec<f64>]| m.iter().filter_map(|r| r.first().copied()).collect::<Vec<f64>>();
     let road = RoadSpec {
@@ -74,10 +85,20 @@ pub(super) fn filter_file(
         gain: outcome.gain,
         of: Some(outcome.of),
         variable: Some(outcome.variable),
+        fitted_band_rad: Some(outcome.band),
         coherence: samples.coherence,
         ..RoadSpec::default()
     };
-    let text = toml::to_string(&road).map_err(|e| FileError::content(path, None, e.to_string()))?;
+    written(path, &road, outcome, source)
+}
+
+fn written(
+    path: &Path,
+    road: &impl Serialize,
+    outcome: &RoadFitOutcome,
+    source: &str,
+) -> Result<Vec<u8>, StudyError> {
+    let text = toml::to_string(road).map_err(|e| FileError::content(path, None, e.to_string()))?;
     // a source's name is a user's: it stays on its line
     let source: String = source.chars().filter(|c| !c.is_control()).collect();
     let head = format!(

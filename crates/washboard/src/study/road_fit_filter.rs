@@ -1,6 +1,5 @@
-//! A shaping filter that a road can be (strictly proper where it shapes height), and the choice of its order.
+//! A shaping filter that a road can be: strictly proper where it shapes height.
 
-use super::FitOrder;
 use crate::linalg::{C64, CMat, Mat, solve};
 use crate::lti::{Continuous, StateSpace};
 use crate::subspace::{
@@ -18,10 +17,6 @@ const FAR: f64 = 1e8;
 /// Where the low-pass has its corner where nothing is given: half the band's lower end (heights fall over the whole band, as a road's), or
 /// twice its upper end (they fall beyond it), whichever fits better.
 const CORNERS: [f64; 2] = [0.5, 2.0];
-/// Relative errors below this are rounding: a higher order can't be better.
-const EXACT: f64 = 1e-8;
-/// A road is followed to this log₁₀ error (rms), where an order is to be chosen.
-pub(super) const ACCURATE: f64 = 0.02;
 
 /// A filter as it is written, and the fit that it came from.
 #[derive(Debug)]
@@ -53,60 +48,8 @@ impl RoadFilter {
 pub(super) enum Feedthrough {
     /// It stays.
     Keep,
-    /// A low-pass at this corner, or at one of [`CORNERS`], takes it away.
-    RollOff(Option<f64>),
-}
-
-/// How an order is chosen.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Choice {
-    /// N ln(Σ w r²/N) + k ln N of the relative errors r is smallest: noisy samples.
-    Criterion,
-    /// The lowest order that is accurate, or else the most accurate: exact samples.
-    Accuracy,
-}
-
-/// The filter of the best order from 1 to `most`, and all that were tried.
-pub(super) fn choose(
-    omega: &[f64],
-    s: &[CMat],
-    settings: &ShapeSettings,
-    feedthrough: Feedthrough,
-    most: usize,
-    choice: Choice,
-) -> Result<(RoadFilter, Vec<FitOrder>), SubspaceError> {
-    let mut tried = Vec::new();
-    let mut best: Option<(f64, RoadFilter)> = None;
-    let mut failure = None;
-    let mut problem = FilterProblem::new(omega, s, settings, feedthrough)?;
-    for order in 1..=most {
-        match problem.fit(Order::Given(order)) {
-            Err(e) => {
-                tried.push(FitOrder { order, log10_rms_error: None, bic: None });
-                failure = Some(e);
-            }
-            Ok(filter) => {
-                let error = filter.fit.log10_rms_error;
-                let bic = criterion(&filter, omega, s, &settings.weights)?;
-                tried.push(FitOrder { order, log10_rms_error: Some(error), bic: Some(bic) });
-                let value = if choice == Choice::Criterion { bic } else { error };
-                if best.as_ref().is_none_or(|b| value < b.0) {
-                    best = Some((value, filter));
-                }
-                if choice == Choice::Accuracy && error < ACCURATE {
-                    break;
-                }
-            }
-        }
-    }
-    match (best, failure) {
-        (Some((_, filter)), _) => Ok((filter, tried)),
-        (None, Some(e)) => Err(e),
-        (None, None) => {
-            let (expected, found) = ("1 or more".to_owned(), most.to_string());
-            Err(SubspaceError::Field { field: "max_order", expected, found })
-        }
-    }
+    /// A low-pass at this corner, or at one of [`CORNERS`], takes it away; passed this many times.
+    RollOff(Option<f64>, usize),
 }
 
 /// Fits the samples, see [`FilterProblem`].
@@ -119,19 +62,21 @@ pub(super) fn fit_filter(
     FilterProblem::new(omega, s, settings, feedthrough)?.fit(settings.order)
 }
 
-/// Where no feedthrough may be, S(1 + ω²/ω_r²) is fitted and followed by ω_r/(s + ω_r): the low-pass bends nothing within the
+/// Where no feedthrough may be, S(1 + ω²/ω_r²)ᵏ is fitted and followed by (ω_r/(s + ω_r))ᵏ: the low-pass bends nothing within the
 /// band, and a spectrum as steep as a road's becomes flat before it is fitted.
-struct FilterProblem<'a> {
+pub(super) struct FilterProblem<'a> {
     omega: &'a [f64],
     s: &'a [CMat],
     /// Upper end of the band.
     high: f64,
+    /// k.
+    times: usize,
     /// What is fitted, and with which ω_r.
     ways: Vec<(Option<f64>, ShapeProblem<'a>)>,
 }
 
 impl<'a> FilterProblem<'a> {
-    fn new(
+    pub fn new(
         omega: &'a [f64],
         s: &'a [CMat],
         settings: &ShapeSettings,
@@ -139,19 +84,28 @@ impl<'a> FilterProblem<'a> {
     ) -> Result<Self, SubspaceError> {
         let low = omega.iter().copied().find(|w| *w > 0.0).unwrap_or(1.0);
         let high = omega.last().copied().filter(|w| *w > 0.0).unwrap_or(1.0);
-        let ways = match feedthrough {
-            Feedthrough::Keep => vec![(None, ShapeProblem::new(omega, s, settings)?)],
-            Feedthrough::RollOff(Some(c)) => vec![(Some(c), lifted(omega, s, settings, c)?)],
-            Feedthrough::RollOff(None) => [CORNERS[0] * low, CORNERS[1] * high]
-                .into_iter()
-                .map(|c| Ok((Some(c), lifted(omega, s, settings, c)?)))
-                .collect::<Result<_, SubspaceError>>()?,
+        let (corners, times) = match feedthrough {
+            Feedthrough::Keep => (vec![None], 0),
+            Feedthrough::RollOff(Some(corner), times) => (vec![Some(corner)], times),
+            Feedthrough::RollOff(None, times) => {
+                (vec![Some(CORNERS[0] * low), Some(CORNERS[1] * high)], times)
+            }
         };
-        Ok(FilterProblem { omega, s, high, ways })
+        let way = |corner: Option<f64>| {
+            let problem = match corner {
+                None => ShapeProblem::new(omega, s, settings)?,
+                Some(corner) => lifted(omega, s, settings, corner, times)?,
+            };
+            Ok((corner, problem))
+        };
+        let ways = corners.into_iter().map(way).collect::<Result<_, SubspaceError>>()?;
+        Ok(FilterProblem { omega, s, high, times, ways })
     }
 
-    fn fit(&mut self, order: Order) -> Result<RoadFilter, SubspaceError> {
-        let (omega, s, high) = (self.omega, self.s, self.high);
+    /// # Errors
+    /// As [`ShapeProblem::fit`], of the first way where none succeeds.
+    pub fn fit(&mut self, order: Order) -> Result<RoadFilter, SubspaceError> {
+        let (omega, s, high, times) = (self.omega, self.s, self.high, self.times);
         let found: Vec<Result<RoadFilter, SubspaceError>> = self
             .ways
             .iter_mut()
@@ -159,7 +113,7 @@ impl<'a> FilterProblem<'a> {
                 let fit = problem.fit(order)?;
                 match *corner {
                     None => of(fit.filter.clone(), fit.zeros.clone(), high, None, fit),
-                    Some(corner) => rolled(fit, omega, s, corner, high),
+                    Some(corner) => rolled(fit, omega, s, corner, times, high),
                 }
             })
             .collect();
@@ -168,9 +122,10 @@ impl<'a> FilterProblem<'a> {
         for one in found {
             match one {
                 Err(e) => failure = failure.or(Some(e)),
-                // without a state for the low-pass, if one can; else the nearer one
+                // with fewer states for the low-pass, if one can; else the nearer one
                 Ok(filter) => {
-                    let rank = |f: &RoadFilter| (f.roll_off_rad.is_some(), f.fit.log10_rms_error);
+                    let added = |f: &RoadFilter| f.system.order().saturating_sub(f.fit.model.order);
+                    let rank = |f: &RoadFilter| (added(f), f.fit.log10_rms_error);
                     if best.as_ref().is_none_or(|b| rank(&filter) < rank(b)) {
                         best = Some(filter);
                     }
@@ -185,17 +140,19 @@ impl<'a> FilterProblem<'a> {
     }
 }
 
-/// S(1 + ω²/ω_r²) with the weights of S.
+/// S(1 + ω²/ω_r²)ᵏ with the weights of S.
 fn lifted<'a>(
     omega: &'a [f64],
     s: &[CMat],
     settings: &ShapeSettings,
     corner: f64,
+    times: usize,
 ) -> Result<ShapeProblem<'a>, SubspaceError> {
-    let lift: Vec<f64> = omega.iter().map(|w| 1.0 + (w / corner).powi(2)).collect();
+    let lift: Vec<f64> =
+        omega.iter().map(|w| (0..times).fold(1.0, |lift, _| lift * (1.0 + (w / corner).powi(2)))).collect();
     let lifted: Vec<CMat> = s.iter().zip(&lift).map(|(s, l)| s * faer::Scale(C64::new(*l, 0.0))).collect();
     let squares = |r: &[f64]| Weights::Variances(r.iter().zip(&lift).map(|(r, l)| r * l * l).collect());
-    // an error of S is one of S(1 + ω²/ω_r²) that is as many times larger
+    // an error of S is one of S(1 + ω²/ω_r²)ᵏ that is as many times larger
     let weights = match &settings.weights {
         ShapeWeights::Equal => ShapeWeights::Given(squares(&vec![1.0; omega.len()])),
         ShapeWeights::Given(Weights::Variances(r)) => ShapeWeights::Given(squares(r)),
@@ -204,33 +161,50 @@ fn lifted<'a>(
     ShapeProblem::new(omega, &lifted, &ShapeSettings { weights, ..settings.clone() })
 }
 
+/// The fit with the low-pass passed k times, once less where that can be.
 fn rolled(
     fit: ShapeFit,
     omega: &[f64],
     s: &[CMat],
     corner: f64,
+    times: usize,
     high: f64,
 ) -> Result<RoadFilter, SubspaceError> {
-    if let Some((system, zeros)) = without_low_pass(&fit, omega, s, corner)? {
-        return of(system, zeros, high, None, fit);
+    if let Some((system, zeros)) = without_one(&fit, omega, s, corner, times)? {
+        let appended = times > 1;
+        return of(system, zeros, high, appended.then_some(corner), fit);
     }
-    let m = fit.filter.outputs();
-    let eye = |v: f64| Mat::from_fn(m, m, |i, j| if i == j { v } else { 0.0 });
-    let low_pass = StateSpace::continuous(eye(-corner), eye(corner), eye(1.0), Mat::zeros(m, m))?;
-    let (system, zeros) = (fit.filter.series(&low_pass)?, fit.zeros.clone());
+    let (system, zeros) = (passed(fit.filter.clone(), corner, times)?, fit.zeros.clone());
     of(system, zeros, high, Some(corner), fit)
 }
 
-/// A system and its finite zeros.
+/// G(s)(ω_r/(s + ω_r))ᵏ.
+fn passed(
+    mut g: StateSpace<Continuous>,
+    corner: f64,
+    times: usize,
+) -> Result<StateSpace<Continuous>, SubspaceError> {
+    let m = g.outputs();
+    let eye = |v: f64| Mat::from_fn(m, m, |i, j| if i == j { v } else { 0.0 });
+    let low_pass = StateSpace::continuous(eye(-corner), eye(corner), eye(1.0), Mat::zeros(m, m))?;
+    for _ in 0..times {
+        g = g.series(&low_pass)?;
+    }
+    Ok(g)
+}
+
+/// A system and, of a scalar one, its finite zeros.
 type WithZeros = (StateSpace<Continuous>, Vec<C64>);
 
 /// G(s) c/(s + c) = C(sI − A)⁻¹B′ + c G(−c)/(s + c) with B′ = c(A + cI)⁻¹B: strictly proper without another state where G(−c) is rounding, as it
-/// is where the samples are of a strictly proper filter. Taken where it follows the samples as well and is minimum phase.
-fn without_low_pass(
+/// is where the samples are of a strictly proper filter. Taken where it follows the samples as well and is minimum phase. The other k − 1
+/// low-passes stay: behind a strictly proper filter they make C B exactly 0, and no velocity is white.
+fn without_one(
     fit: &ShapeFit,
     omega: &[f64],
     s: &[CMat],
     c: f64,
+    times: usize,
 ) -> Result<Option<WithZeros>, SubspaceError> {
     let g = &fit.filter;
     let n = g.order();
@@ -238,14 +212,18 @@ fn without_low_pass(
     // a pole at −c itself
     let Ok(b) = solve(&shifted, g.b()) else { return Ok(None) };
     let none = Mat::zeros(g.outputs(), g.inputs());
-    let system = StateSpace::continuous(g.a().clone(), b * faer::Scale(c), g.c().clone(), none)?;
+    let proper = StateSpace::continuous(g.a().clone(), b * faer::Scale(c), g.c().clone(), none)?;
+    let system = passed(proper, c, times.saturating_sub(1))?;
     let rounding = if fit.model.summand.folded > 0 { MOVED } else { NEGLIGIBLE };
     if !(log10_rms_error(&system, omega, s)? <= (AS_NEAR * fit.log10_rms_error).max(rounding)) {
         return Ok(None);
     }
     let far = FAR * omega.last().copied().unwrap_or(1.0);
     let zeros: Vec<C64> = system.zeros()?.into_iter().filter(|z| z.norm() < far).collect();
-    Ok(zeros.iter().all(|z| z.re < 0.0).then_some((system, zeros)))
+    if !zeros.iter().all(|z| z.re < 0.0) {
+        return Ok(None);
+    }
+    Ok(Some((system, if g.outputs() == 1 { zeros } else { Vec::new() })))
 }
 
 /// Root mean square of log₁₀ of fitted over given trace.
@@ -280,35 +258,4 @@ fn of(
         gain = Some(found.abs());
     }
     Ok(RoadFilter { system, poles, zeros, gain, roll_off_rad, fit })
-}
-
-/// Bayes' criterion of the relative errors of the filter, weighted as they were fitted.
-fn criterion(
-    filter: &RoadFilter,
-    omega: &[f64],
-    s: &[CMat],
-    weights: &ShapeWeights,
-) -> Result<f64, SubspaceError> {
-    let m = filter.system.outputs();
-    let (mut sum, mut total) = (0.0, 0.0);
-    for (k, (w, s)) in omega.iter().zip(s).enumerate() {
-        let h = filter.system.at(C64::new(0.0, *w))?;
-        let (found, size) = (&h * h.adjoint(), s.norm_l2());
-        if size == 0.0 {
-            continue;
-        }
-        let error = if m == 1 { (found[(0, 0)].re / size).ln() } else { (found - s).norm_l2() / size };
-        // S²/R: how many times the error that is looked for the sample's own is not
-        let weight = match weights {
-            ShapeWeights::Equal => size * size,
-            ShapeWeights::Relative => size,
-            ShapeWeights::Given(Weights::Variances(r)) => size * size / r[k],
-            ShapeWeights::RelativeSquared | ShapeWeights::Given(_) => 1.0,
-        };
-        sum += weight * error * error;
-        total += weight;
-    }
-    let observed = (omega.len() * m * m) as f64;
-    let unknowns = (2 * filter.fit.model.order * m + m * (m + 1) / 2) as f64;
-    Ok(observed * (sum / total).max(EXACT * EXACT).ln() + unknowns * observed.ln())
 }

@@ -2,7 +2,8 @@
 
 use super::identify_outcome::Flag;
 use super::road_fit::RoadFitOutcome;
-use super::road_fit_filter::{ACCURATE, RoadFilter};
+use super::road_fit_filter::RoadFilter;
+use super::road_fit_order::ACCURATE;
 use super::road_fit_source::FitSource;
 use crate::road::FilterOutput;
 
@@ -44,7 +45,7 @@ pub(super) fn notes(
         );
     }
     if !o.orders.is_empty() {
-        let tried = o.orders.len();
+        let tried = o.orders.last().map_or(0, |t| t.order);
         let sharp = drop(&o.singular_values).map_or_else(String::new, |n| {
             format!(
                 "; the singular values' largest drop is after {n}, where 2n of an exact order n stand out"
@@ -63,8 +64,11 @@ pub(super) fn notes(
                 )
             }
         } else {
-            let more =
-                if o.order == tried { ", the largest that was tried (--max-order tries more)" } else { "" };
+            let more = if o.order == tried && drop(&o.singular_values) != Some(2 * o.order) {
+                ", the largest that was tried (--max-order tries more)"
+            } else {
+                ""
+            };
             format!("order {} of 1 to {tried} has the smallest Bayes' criterion{more}{sharp}", o.order)
         };
         note("order-chosen", text);
@@ -92,16 +96,18 @@ pub(super) fn notes(
         );
     }
     match (o.roll_off_rad, o.of) {
-        (Some(corner), _) => note(
-            "roll-off",
-            format!(
-                "the fit of order {} has feedthrough, white noise in the {}: a low-pass at {corner:.4} {} makes it strictly proper, one state more; the fit allows for it, so that it bends nothing within the band, and beyond it the {} falls (--roll-off moves it, --proper leaves the feedthrough)",
-                o.order,
-                if o.of == FilterOutput::Velocity { "velocity" } else { "height" },
-                o.unit,
-                if o.of == FilterOutput::Velocity { "velocity" } else { "height" },
-            ),
-        ),
+        (Some(corner), of) => {
+            let what = if of == FilterOutput::Velocity { "velocity" } else { "height" };
+            let (more, times) = (o.states - o.order, if o.roll_off_order > 1 { " passed twice" } else { "" });
+            let states = if more == 1 { "one state".to_owned() } else { format!("{more} states") };
+            note(
+                "roll-off",
+                format!(
+                    "the fit of order {} has feedthrough, white noise in the {what}: a low-pass at {corner:.4} {}{times} makes it strictly proper, {states} more; the fit allows for it, so that it bends nothing within the band, and beyond it the {what} falls (--roll-off moves it, --proper leaves the feedthrough)",
+                    o.order, o.unit,
+                ),
+            );
+        }
         (None, FilterOutput::Displacement) if filter.system.d().norm_l2() > 0.0 => {
             note(
                 "proper",
@@ -140,7 +146,7 @@ pub(super) fn notes(
 }
 
 /// After how many singular values the next one falls by the largest factor, where that is a drop indeed.
-fn drop(values: &[f64]) -> Option<usize> {
+pub(super) fn drop(values: &[f64]) -> Option<usize> {
     let largest = values.first().copied()?;
     let ratio = |k: usize| values[k - 1] / values[k].max(1e-14 * largest);
     (1..values.len()).max_by(|a, b| ratio(*a).total_cmp(&ratio(*b))).filter(|k| ratio(*k) > SHARP)

@@ -42,6 +42,12 @@ pub struct RoadFitSpec {
     /// Corner of the low-pass that makes the filter strictly proper: rad/m or rad/s.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub roll_off_rad: Option<f64>,
+    /// How many times that low-pass is passed, 1 or 2; without it 2 of a matrix spectrum, so that velocities are not white, else 1.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub roll_off_order: Option<usize>,
+    /// Names of a vehicle's road inputs, one a channel of a matrix spectrum; without them they are the vehicle's in its order.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub points: Vec<String>,
     /// A filter with feedthrough is left as it is.
     #[serde(default)]
     pub proper: bool,

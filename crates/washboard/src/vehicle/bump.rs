@@ -121,8 +121,12 @@ impl Vehicle {
         // every wheel its own input: its bump is computed, not delayed by a filter
         let flat = Spectrum::white_velocity(1.0).map_err(|_| PlantError::NoFilter)?;
         let road = Road::new(flat, Coherence::Independent);
-        let settings =
-            PlantSettings { road: &road, speed_m_s, disturbance: Disturbance::RoadVelocity, delay_order: 0 };
+        let settings = PlantSettings {
+            road: (&road).into(),
+            speed_m_s,
+            disturbance: Disturbance::RoadVelocity,
+            delay_order: 0,
+        };
         let measured: Vec<&Output> = control.iter().flat_map(|c| c.measurements()).collect();
         let plant = self.plant(outputs, &measured, &settings)?;
         let lti = |e| BumpError::Plant(PlantError::Lti(e));

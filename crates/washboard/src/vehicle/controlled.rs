@@ -153,32 +153,14 @@ impl Control {
 
     /// The loop closed around a driven vehicle whose last outputs are the measurements, in their order.
     pub(super) fn close(&self, vehicle: &Vehicle, open: Driven) -> Result<Driven, ControlError> {
-        let (m, n) = (self.measurements.len(), open.a.nrows());
+        let m = self.measurements.len();
         let p = open.c.nrows() - m;
         for (k, output) in self.measurements.iter().enumerate() {
             if open.growth[p + k] != Growth::Finite {
                 return Err(ControlError::White(output.name.clone()));
             }
         }
-        let q = vehicle.system().order();
-        let force = solve(vehicle.system().m(), &vehicle.actuator_columns(&self.actuators))?;
-        let bu =
-            Mat::from_fn(
-                n,
-                force.ncols(),
-                |i, j| {
-                    if (q..2 * q).contains(&i) { force[(i - q, j)] } else { 0.0 }
-                },
-            );
-        let w = open.b.ncols();
-        let b = Mat::from_fn(n, w + bu.ncols(), |i, j| if j < w { open.b[(i, j)] } else { bu[(i, j - w)] });
-        let all: Vec<&Output> = open.outputs.iter().collect();
-        let d = Mat::from_fn(p + m, w + bu.ncols(), |i, j| {
-            let Some(a) = j.checked_sub(w).map(|j| (j, self.actuators[j])) else { return 0.0 };
-            let through: f64 = all[i].q[2].iter().enumerate().map(|(k, v)| v * force[(k, a.0)]).sum();
-            through + all[i].u.get(a.1).copied().unwrap_or(0.0)
-        });
-        let whole = StateSpace::continuous(open.a, b, open.c, d)?;
+        let whole = open.with_forces(vehicle, &self.actuators)?;
         // controllers have states in units of their own
         let closed = whole.lft(&self.controller)?.balanced_scales()?.0;
         Ok(Driven {
@@ -273,7 +255,7 @@ mod tests {
             let exact = ride.variances_by_lyapunov(&outputs).unwrap().unwrap();
             let integral = ride.variances_by_quadrature(&outputs).unwrap();
             let settings = PlantSettings {
-                road: &road,
+                road: (&road).into(),
                 speed_m_s: 20.0,
                 disturbance: Disturbance::RoadNoise,
                 delay_order: 2,

@@ -1,13 +1,14 @@
 //! A vehicle with its actuators as a generalised plant: road in, performances and measurements out.
 
 mod by_height;
+mod by_points;
 mod by_velocity;
 mod tracks;
 
 use super::{Output, Vehicle};
 use crate::linalg::{LinalgError, Mat};
-use crate::lti::{GeneralizedPlant, LtiError, Signals, StateSpace};
-use crate::road::{Road, Shapes};
+use crate::lti::{Continuous, GeneralizedPlant, LtiError, Signals, StateSpace};
+use crate::road::{Excitation, Shapes};
 use thiserror::Error;
 
 /// A coefficient below this share of the terms that it is a sum of has cancelled.
@@ -29,8 +30,9 @@ pub enum Disturbance {
 /// The road that a plant stands on, and how it is to be written down.
 #[derive(Debug, Clone, Copy)]
 pub struct PlantSettings<'a> {
-    /// Spectrum and coherence; only the coherence counts unless the disturbance is the road's noise.
-    pub road: &'a Road,
+    /// Spectrum and coherence, or a filter of all road inputs; only what belongs together counts unless the disturbance is the
+    /// road's noise.
+    pub road: Excitation<'a>,
     /// Forward speed.
     pub speed_m_s: f64,
     /// What drives the plant.
@@ -51,6 +53,32 @@ pub enum PlantError {
         output: String,
         /// The disturbance, in words.
         disturbance: &'static str,
+    },
+    /// An output with white noise of a filter of road inputs.
+    #[error(
+        "`{output}` contains white noise of the road's filter: its spectrum must fall faster beyond the band (road fit --roll-off-order), or leave the output out"
+    )]
+    White {
+        /// The output.
+        output: String,
+    },
+    /// An output that follows heights of a filter of velocities.
+    #[error(
+        "`{output}` follows a road height that wanders off, as the filter's velocities do not vanish at rest: take a filter of displacement, or leave the output out"
+    )]
+    Wandering {
+        /// The output.
+        output: String,
+    },
+    /// A filter of other road inputs than the vehicle's.
+    #[error(
+        "the road: expected a filter of {expected} points, as many as the vehicle has road inputs, found {found}"
+    )]
+    Points {
+        /// Wheels.
+        expected: usize,
+        /// Rows of C.
+        found: usize,
     },
     /// A road without a rational filter.
     #[error(
@@ -79,7 +107,7 @@ impl Vehicle {
     /// Driven by velocities, the state is q − K⁻¹K_w r, q̇ and as many road heights as outputs depend on; driven by
     /// heights, q and q̇ − M⁻¹C_w r. A wheel that follows another one's track repeats its input through Padé's
     /// approximation of the delay. Disturbances are one a track that leads (`road`, `road left` …), or one a wheel on a road
-    /// of independent wheels.
+    /// of independent wheels; of a filter of all road inputs, one an input (`road front_left` …), or one a noise (`noise 1` …).
     ///
     /// # Errors
     /// Outputs with derivatives of the disturbance, a road without rational filter or coherence, a vehicle without
@@ -96,10 +124,22 @@ impl Vehicle {
         if self.wheels().is_empty() {
             return Err(PlantError::Nothing("wheels"));
         }
-        let filter = match settings.disturbance {
-            Disturbance::RoadNoise => Some(
-                settings.road.spectrum().shaping_filter(settings.speed_m_s).ok_or(PlantError::NoFilter)?,
-            ),
+        let outputs: Vec<&Output> = performances.iter().chain(measurements).copied().collect();
+        let road = match settings.road {
+            Excitation::Road(road) => Some(road),
+            Excitation::Points(filter) if filter.size() != self.wheels().len() => {
+                return Err(PlantError::Points { expected: self.wheels().len(), found: filter.size() });
+            }
+            Excitation::Points(_) if settings.disturbance == Disturbance::RoadNoise => {
+                let (system, names) = self.driven_by_points(settings.road, settings.speed_m_s, &outputs)?;
+                return self.named(system, names, performances, measurements);
+            }
+            Excitation::Points(_) => None,
+        };
+        let filter = match (settings.disturbance, road) {
+            (Disturbance::RoadNoise, Some(road)) => {
+                Some(road.spectrum().shaping_filter(settings.speed_m_s).ok_or(PlantError::NoFilter)?)
+            }
             _ => None,
         };
         let by_velocity = match (settings.disturbance, &filter) {
@@ -107,10 +147,12 @@ impl Vehicle {
             (_, Some(filter)) => filter.of() == Shapes::Velocity,
             _ => false,
         };
-        let outputs: Vec<&Output> = performances.iter().chain(measurements).copied().collect();
         let bare =
             if by_velocity { self.driven_by_velocity(&outputs)? } else { self.driven_by_height(&outputs)? };
-        let (tracks, names) = self.tracks(settings)?;
+        let (tracks, names) = match road {
+            Some(road) => self.tracks(road, settings)?,
+            None => self.points()?,
+        };
         let road = match filter {
             Some(f) => {
                 let column = |v: &[f64]| Mat::from_fn(v.len(), 1, |i, _| v[i]);
@@ -129,9 +171,20 @@ impl Vehicle {
         let controls =
             StateSpace::continuous_gain(Mat::identity(self.actuators().len(), self.actuators().len()))?;
         let system = road.append(&controls)?.series(&bare)?;
+        self.named(system, names, performances, measurements)
+    }
+
+    /// A system from [w; u] to [z; y] with its names.
+    fn named(
+        &self,
+        system: StateSpace<Continuous>,
+        disturbances: Vec<String>,
+        performances: &[&Output],
+        measurements: &[&Output],
+    ) -> Result<GeneralizedPlant, PlantError> {
         let own = |o: &&Output| o.name.clone();
         let signals = Signals {
-            disturbances: names,
+            disturbances,
             controls: self.actuators().iter().map(|a| a.name.clone()).collect(),
             performances: performances.iter().map(own).collect(),
             measurements: measurements.iter().map(own).collect(),

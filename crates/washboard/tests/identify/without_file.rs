@@ -109,6 +109,22 @@ fn a_late_sensor_is_found() {
     assert!(flag(&found, "clock-off").unwrap().contains("hub_1"));
 }
 
+/// A speed that is 8 % off shows in the delay, and makes the road's level wrong: said, by both methods.
+#[test]
+fn a_wrong_speed_is_found() {
+    let drive = drive_at(&car("published"), "all", 20.0, 300.0, 7);
+    let (wheels, channels) = (drive.wheels().to_vec(), drive.channels().to_vec());
+    let said = Recording::new(200.0, Some(21.6), wheels, channels, drive.samples().to_vec()).unwrap();
+    for method in [IdentifyMethod::Physical, IdentifyMethod::Tvimm] {
+        let found = identify(&said, &settings(method));
+        assert!(!found.converged);
+        let text = flag(&found, "speed").unwrap();
+        assert!(text.contains("speed and wheelbase say 123.1 ms: one of them is wrong by"), "{text}");
+        // 2.66 m at the true speed; 5 minutes know the delay to a few tenths of a per cent
+        assert!((found.delay_s.unwrap() / (2.66 / 20.0) - 1.0).abs() < 0.005, "{:?}", found.delay_s);
+    }
+}
+
 #[test]
 fn free_modes_from_nothing() {
     let spec = car("published");

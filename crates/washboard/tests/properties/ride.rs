@@ -52,6 +52,26 @@ fn lyapunov_and_quadrature_agree_on_rational_roads() {
     both_routes(&quarter, &Road::new(first, Coherence::Full), 20.0);
 }
 
+/// Heights that wander together move a car that anti-roll bars hold: its travels settle. The same road with a corner far below
+/// all modes has them by Lyapunov's equation.
+#[test]
+fn travels_on_one_wandering_track_are_those_of_a_slow_corner() {
+    let car = cases::vehicle("chalasani-full-car").unwrap();
+    let (w, v, a) = (1e-4, 20.0, 1e-6);
+    let white = Road::new(Spectrum::white_velocity(w).unwrap(), Coherence::Full);
+    let slow = Road::new(Spectrum::first_order(f64::sqrt(w / v), a).unwrap(), Coherence::Full);
+    for name in ["suspension_travel_front_left", "tire_force_rear_right"] {
+        let output = [car.output(name).unwrap()];
+        let of =
+            |road: &Road| Ride::new(&car, road, v).unwrap().variances(&output).unwrap()[0].rms().unwrap();
+        let (a, b) = (of(&white), of(&slow));
+        // the corner is at 2e-5 rad/s, the slowest mode at 5
+        assert!(a > 0.0 && (a / b - 1.0).abs() < 1e-5, "{name}: {a} {b}");
+    }
+    let roll = [car.output("roll_displacement").unwrap()];
+    assert_eq!(Ride::new(&car, &white, v).unwrap().variances(&roll).unwrap(), [Variance::Finite(0.0)]);
+}
+
 /// Levels against an independent quadrature of the quarter car's textbook transfer functions, in both conventions:
 /// Simpson's rule over ν with the convention's own definition of variance.
 #[test]

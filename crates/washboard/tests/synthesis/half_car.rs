@@ -21,7 +21,11 @@ fn road() -> Road {
 }
 
 fn plant_of(ct: f64, speed_m_s: f64, delay_order: usize, road: &Road, z: &[&str]) -> GeneralizedPlant {
-    with(ct, &PlantSettings { road, speed_m_s, disturbance: Disturbance::RoadNoise, delay_order }, z)
+    with(
+        ct,
+        &PlantSettings { road: road.into(), speed_m_s, disturbance: Disturbance::RoadNoise, delay_order },
+        z,
+    )
 }
 
 fn with(ct: f64, settings: &PlantSettings<'_>, z: &[&str]) -> GeneralizedPlant {
@@ -106,7 +110,11 @@ fn pades_order_is_enough_once_it_spans_the_wheel_hop_within_the_delay() {
 fn behind(psi: &StateSpace<Continuous>, lambda: &[f64]) -> GeneralizedPlant {
     let road = road();
     let disturbance = Disturbance::RoadVelocity;
-    let p = with(100.0, &PlantSettings { road: &road, speed_m_s: 20.0, disturbance, delay_order: 2 }, &Z);
+    let p = with(
+        100.0,
+        &PlantSettings { road: (&road).into(), speed_m_s: 20.0, disturbance, delay_order: 2 },
+        &Z,
+    );
     let controls = StateSpace::continuous_gain(Mat::identity(2, 2)).unwrap();
     let system = psi.append(&controls).unwrap().series(p.system()).unwrap();
     GeneralizedPlant::new(system, p.signals().clone()).unwrap().with_weights(lambda).unwrap()

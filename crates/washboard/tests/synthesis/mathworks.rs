@@ -36,7 +36,7 @@ fn example(beta: f64) -> GeneralizedPlant {
     let outputs: Vec<&Output> =
         ["suspension_travel", "sprung_acceleration"].map(|name| car.output(name).unwrap()).into();
     let disturbance = Disturbance::RoadDisplacement;
-    let settings = PlantSettings { road: &road, speed_m_s: 20.0, disturbance, delay_order: 0 };
+    let settings = PlantSettings { road: (&road).into(), speed_m_s: 20.0, disturbance, delay_order: 0 };
     let bare = car.plant(&outputs, &[], &settings).unwrap().system().clone();
     // a positive force of the case's actuator pulls the body down: −1000 N a kN
     let lag = StateSpace::continuous(

@@ -26,7 +26,7 @@ pub fn plant_of(
         names.iter().flat_map(of).collect()
     };
     let (z, y) = (find(z), find(y));
-    let settings = PlantSettings { road, speed_m_s: 20.0, disturbance, delay_order };
+    let settings = PlantSettings { road: road.into(), speed_m_s: 20.0, disturbance, delay_order };
     car.plant(&z.iter().collect::<Vec<_>>(), &y.iter().collect::<Vec<_>>(), &settings).unwrap()
 }
 

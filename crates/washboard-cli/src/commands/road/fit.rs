@@ -43,6 +43,12 @@ pub struct Arguments {
     /// Corner of the low-pass that makes the filter strictly proper, rad/m or rad/s; below or beyond the band, whichever fits better, without it.
     #[arg(long, value_name = "RAD", allow_negative_numbers = true)]
     roll_off: Option<f64>,
+    /// How many times that low-pass is passed, 1 or 2; 2 of a matrix spectrum without it, so that velocities are not white.
+    #[arg(long, value_name = "K")]
+    roll_off_order: Option<usize>,
+    /// Names of the vehicle's road inputs, one a channel of a matrix spectrum: chassis_front_left,… of a truck cabin, or its wheels'.
+    #[arg(long, value_name = "NAME,…", value_delimiter = ',')]
+    points: Vec<String>,
     /// Leave a filter's feedthrough as it is.
     #[arg(long)]
     proper: bool,
@@ -78,6 +84,8 @@ pub fn run(a: Arguments, output: Output) -> Result<ExitCode, Failure> {
         of: a.of,
         band_rad: a.band,
         roll_off_rad: a.roll_off,
+        roll_off_order: a.roll_off_order,
+        points: a.points,
         proper: a.proper,
         segment_m: a.segment_m,
         smooth_per_octave: a.smooth,

@@ -26,6 +26,9 @@ pub const CHI_LIMIT: f64 = 0.6;
 /// The same for an eighth of the band, whose mean scatters more.
 pub(crate) const PART_CHI_LIMIT: f64 = 0.9;
 
+/// Speed and wheelbase are what the user says to this share.
+pub(crate) const SPEED_SD: f64 = 0.03;
+
 /// What is refused before a fit starts.
 #[derive(Debug, Error, Clone, PartialEq)]
 pub enum FitError {
@@ -100,6 +103,21 @@ pub(crate) fn misfit(residual: &[f64], omega: &[f64]) -> Option<Reason> {
             hz(to)
         );
         ("misfit", text)
+    })
+}
+
+/// What the delay of the rear wheels says about the speed: a road's level is as wrong as the speed, and the poles of a
+/// vehicle are its own.
+pub(crate) fn speed_off(delay: Option<Estimate>, ln_delay: f64) -> Option<Reason> {
+    let Estimate { value, sd } = delay?;
+    (ln_delay.abs() > SPEED_SD + 3.0 * sd / value).then(|| {
+        let text = format!(
+            "the rear wheels follow the front ones after {:.1} ms; speed and wheelbase say {:.1} ms: one of them is wrong by {:.1} %, and the road's level with it",
+            1e3 * value,
+            1e3 * value / ln_delay.exp(),
+            100.0 * (ln_delay.exp() - 1.0).abs()
+        );
+        ("speed", text)
     })
 }
 

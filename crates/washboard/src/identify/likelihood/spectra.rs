@@ -48,6 +48,13 @@ impl Spectra {
         &mut self.values[k * self.n * self.n..(k + 1) * self.n * self.n]
     }
 
+    /// Entry by entry of three.
+    pub fn combined(of: [&Spectra; 3], combine: impl Fn([f64; 3]) -> f64) -> Self {
+        let [a, b, c] = of;
+        let values = a.values.iter().zip(&b.values).zip(&c.values);
+        Spectra { n: a.n, values: values.map(|((a, b), c)| combine([*a, *b, *c])).collect() }
+    }
+
     /// The diagonals with `more` added.
     #[must_use]
     pub fn raised(&self, more: &[f64]) -> Self {

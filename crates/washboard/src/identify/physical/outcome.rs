@@ -4,7 +4,7 @@ use super::joint::{Joint, Search};
 use super::layout::Kind;
 use super::{Model, PhysicalDrive, Reason, uncertainty};
 use crate::identify::likelihood::{
-    Covariance, Estimate, Group, LEAST_NOISE, Spectra, Whitening, mean, misfit,
+    Covariance, Estimate, Group, LEAST_NOISE, Spectra, Whitening, mean, misfit, speed_off,
 };
 use crate::linalg::CMat;
 use crate::lti::Mode;
@@ -244,9 +244,13 @@ fn speak(
         problems.push(("at-limit", format!("{} ran to the limit of its range, {value:.4}", words(i))));
     }
     for (r, drive) in drives.iter().enumerate() {
+        let of = if drives.len() > 1 { format!("recording {}: ", r + 1) } else { String::new() };
         if let Some((name, text)) = misfit(&drive.residual, &joint.models[r].data.omega) {
-            let of = if drives.len() > 1 { format!("recording {}: ", r + 1) } else { String::new() };
-            problems.push((name, of + &text));
+            problems.push((name, of.clone() + &text));
+        }
+        let ln_delay = joint.models[r].layout.delay.map_or(0.0, |i| theta[joint.place(r, i)]);
+        if let Some((name, text)) = speed_off(drive.delay_s, ln_delay) {
+            problems.push((name, of.clone() + &text));
         }
         for clock in &drive.clocks {
             let text = format!(

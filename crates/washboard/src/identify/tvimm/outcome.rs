@@ -7,7 +7,7 @@ use super::score::{self, PLANE_SD};
 use super::search::{Found, Stage, in_seconds};
 use super::{FreeDrive, SAME_COST};
 use crate::identify::likelihood::{
-    Covariance, Estimate, Group, LEAST_NOISE, Reason, Whitening, mean, misfit,
+    Covariance, Estimate, Group, LEAST_NOISE, Reason, Whitening, mean, misfit, speed_off,
 };
 use crate::linalg::CMat;
 use crate::lti::{FirstOrder, Mode, ModeKind};
@@ -115,9 +115,15 @@ pub(super) fn outcome(
     let s = &found.frame.evaluation.s;
     let residual = Whitening::new(s).ok_or(INDEFINITE)?.residuals(&model.data.measured, model.data.averages);
     let static_spread = static_spread(model, found).ok_or("the response has a pole at zero")?;
-    let (problems, remarks) = speak(model, chosen, &modes, &residual, static_spread, &trials);
+    let (mut problems, remarks) = speak(model, chosen, &modes, &residual, static_spread, &trials);
     let log = |i: usize, v: f64| Estimate { value: v, sd: v * covariance.sd(free + i) };
     let (road, scale) = (found.at.road, &model.data.scale);
+    let delay_s = differs(drive, 0).then(|| {
+        let x = drive.at_m.iter().map(|p| p[0]);
+        let wheelbase = x.clone().fold(f64::NEG_INFINITY, f64::max) - x.fold(f64::INFINITY, f64::min);
+        log(3, wheelbase / drive.speed_m_s * road.ln_delay.exp())
+    });
+    problems.extend(speed_off(delay_s, road.ln_delay));
     Ok(FreeOutcome {
         problems,
         remarks,
@@ -127,11 +133,7 @@ pub(super) fn outcome(
         exponent: Estimate { value: road.exponent, sd: covariance.sd(free + 1) },
         road_correlation: covariance.correlation(free, free + 1),
         mu: differs(drive, 1).then(|| log(2, road.mu)),
-        delay_s: differs(drive, 0).then(|| {
-            let x = drive.at_m.iter().map(|p| p[0]);
-            let wheelbase = x.clone().fold(f64::NEG_INFINITY, f64::max) - x.fold(f64::INFINITY, f64::min);
-            log(3, wheelbase / drive.speed_m_s * road.ln_delay.exp())
-        }),
+        delay_s,
         noise: (0..n)
             .map(|c| {
                 let (e, unit) = (log(4 + c, found.at.ln_noise[c].exp()), scale[c] * scale[c]);

@@ -3,7 +3,7 @@
 use super::information::information;
 use super::model::{Evaluation, FreeModel, Point};
 use super::orbit::Entries;
-use crate::identify::likelihood::{Spectra, Whitening};
+use crate::identify::likelihood::{SPEED_SD, Spectra, Whitening};
 use crate::linalg::Mat;
 
 /// The static gain over a road's plane is the plane at the sensors to this.
@@ -16,10 +16,10 @@ pub(super) struct Full {
     pub fisher: Mat,
 }
 
-/// n_avg Σ (ln|S| + tr S⁻¹Ŝ) and half the squares of the static plane's misfit.
+/// n_avg Σ (ln|S| + tr S⁻¹Ŝ) and half the squares of what is known beforehand.
 pub(super) fn cost(model: &FreeModel, s: &Spectra, measured: &Spectra, at: &Point) -> Option<f64> {
     let fit = crate::identify::likelihood::cost(s, measured, model.data.averages)?;
-    let (residual, ..) = plane(model, at)?;
+    let (residual, ..) = known(model, at)?;
     Some(fit + 0.5 * residual.iter().map(|r| r * r).sum::<f64>())
 }
 
@@ -38,7 +38,7 @@ pub(super) fn full(
     let (mut total, pulls) = whitening.pulls(measured, model.data.averages);
     let mut gradient = model.pull(evaluation, at, &pulls);
     let mut fisher = information(model, evaluation, &whitening, at);
-    let (residual, slopes) = plane(model, at)?;
+    let (residual, slopes) = known(model, at)?;
     total += 0.5 * residual.iter().map(|r| r * r).sum::<f64>();
     for (r, slope) in residual.iter().zip(&slopes) {
         for (a, va) in slope {
@@ -53,6 +53,16 @@ pub(super) fn full(
 
 /// Slopes of one residual by some parameters.
 type Slope = Vec<(usize, f64)>;
+
+/// What is known before any data, in standard deviations, and its slopes: the static plane, and the delay of the rear
+/// wheels, which is wheelbase over speed as well as these were stated. Data with sensors on all wheels know the delay to
+/// 10⁻⁴; with few sensors it is free to bend other modes and μ by as much as it may move.
+pub(super) fn known(model: &FreeModel, at: &Point) -> Option<(Vec<f64>, Vec<Slope>)> {
+    let (mut residuals, mut slopes) = plane(model, at)?;
+    residuals.push(at.road.ln_delay / SPEED_SD);
+    slopes.push(vec![(Entries::of(&at.system).len() + 3, 1.0 / SPEED_SD)]);
+    Some((residuals, slopes))
+}
 
 /// The misfit of H(0) over the planes 1, y, x of the road at the sensors, in standard deviations, and its slopes.
 ///

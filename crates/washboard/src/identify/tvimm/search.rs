@@ -17,6 +17,8 @@ const ROUGH_DECREMENT: f64 = 3.0;
 /// Steps while noise is raised, and at the real noise; and as many more there where the model explains the data by then.
 const MAX_STEPS: [usize; 2] = [40, 60];
 const MORE_STEPS: usize = 120;
+/// Second derivatives along a step are differences over this share of it, as Transtrum and Sethna have it.
+const BEND: f64 = 0.1;
 /// A residual statistic below this may yet become that of a right answer.
 const PROMISING: f64 = 0.8;
 
@@ -206,6 +208,27 @@ impl Problem for Stage<'_> {
                 0.0
             }
         }))
+    }
+
+    fn bend(&self, at: &Point, frame: &Frame, step: &[f64]) -> Option<Vec<f64>> {
+        let model = self.model;
+        let away = |share: f64| -> Option<(Spectra, Vec<f64>)> {
+            let step: Vec<f64> = step.iter().map(|s| share * s).collect();
+            let there = self.moved(at, frame, &step);
+            Some((model.spectra(&there)?, score::known(model, &there)?.0))
+        };
+        let (ahead, behind) = rayon::join(|| away(BEND), || away(-BEND));
+        let ((ahead, known_ahead), (behind, known_behind)) = (ahead?, behind?);
+        let second = |a: f64, b: f64, here: f64| (a + b - 2.0 * here) / (BEND * BEND);
+        let s = Spectra::combined([&ahead, &behind, &frame.evaluation.s], |[a, b, here]| second(a, b, here));
+        let pulls = Whitening::new(&frame.evaluation.s)?.metric_pull(&s, model.data.averages);
+        let mut full = model.pull(&frame.evaluation, at, &pulls);
+        let (known, slopes) = score::known(model, at)?;
+        for (k, slope) in slopes.iter().enumerate() {
+            let bend = second(known_ahead[k], known_behind[k], known[k]);
+            slope.iter().for_each(|(i, v)| full[*i] += v * bend);
+        }
+        Some(Stage::project(frame, &full))
     }
 
     fn clip(&self, step: &mut [f64], frame: &Frame) {

@@ -1,6 +1,6 @@
 use super::*;
 use crate::linalg::{C64, CMat};
-use crate::road::Coherence;
+use crate::road::{Coherence, Road};
 use crate::vehicle::Ride;
 use crate::vehicle::test_cases as cases;
 
@@ -9,7 +9,7 @@ fn names<'a>(car: &'a Vehicle, names: &[&str]) -> Vec<&'a Output> {
 }
 
 fn on<'a>(road: &'a Road, disturbance: Disturbance) -> PlantSettings<'a> {
-    PlantSettings { road, speed_m_s: 20.0, disturbance, delay_order: DELAY_ORDER }
+    PlantSettings { road: road.into(), speed_m_s: 20.0, disturbance, delay_order: DELAY_ORDER }
 }
 
 /// The response to heights, by mechanics, must be that of the plant: a second route through M, C, K at one frequency.

@@ -3,20 +3,29 @@
 use super::{PlantError, PlantSettings};
 use crate::linalg::Mat;
 use crate::lti::{Continuous, LtiError, StateSpace, pade_delay};
+use crate::road::{Coherence, Road};
 use crate::vehicle::Vehicle;
 use crate::vehicle::driven::sources;
 
 impl Vehicle {
+    /// Every road input by itself, and names for them.
+    pub(super) fn points(&self) -> Result<(StateSpace<Continuous>, Vec<String>), PlantError> {
+        let (count, wheels) = (self.wheels().len(), self.wheels());
+        let all = StateSpace::continuous_gain(Mat::identity(count, count))?;
+        Ok((all, wheels.iter().map(|w| format!("road {}", w.name)).collect()))
+    }
+
     /// From the tracks that lead to all wheels, and names for them.
     pub(super) fn tracks(
         &self,
+        road: &Road,
         settings: &PlantSettings<'_>,
     ) -> Result<(StateSpace<Continuous>, Vec<String>), PlantError> {
-        if matches!(settings.road.coherence(), crate::road::Coherence::Bogsjo { mu } if *mu > 0.0) {
+        if matches!(road.coherence(), Coherence::Bogsjo { mu } if *mu > 0.0) {
             return Err(PlantError::Coherence);
         }
         let places = self.wheel_places();
-        let groups = sources(settings.road.coherence(), &places);
+        let groups = sources(road.coherence(), &places);
         let count = self.wheels().len();
         let mut columns: Option<StateSpace<Continuous>> = None;
         let mut names = Vec::new();

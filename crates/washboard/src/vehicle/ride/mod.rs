@@ -5,7 +5,7 @@ mod quadrature;
 use super::driven::{Driven, Growth, sources};
 use super::{Control, ControlError, Output, Vehicle};
 use crate::linalg::{C64, CMat, LinalgError, Mat, eigen, expm, lyapunov};
-use crate::road::{Coherence, Road, wheel_spectrum};
+use crate::road::{Coherence, Excitation};
 use thiserror::Error;
 
 /// A variance below this share of what the wheels would give on roads of their own is zero but for rounding: the roll of
@@ -23,6 +23,16 @@ pub enum RideError {
     /// The vehicle has no wheels.
     #[error("the vehicle has no wheels: a road cannot drive it")]
     NoWheels,
+    /// A filter of other road inputs than the vehicle's.
+    #[error(
+        "the road: expected a filter of {expected} points, as many as the vehicle has road inputs, found {found}"
+    )]
+    Points {
+        /// Wheels.
+        expected: usize,
+        /// Rows of C.
+        found: usize,
+    },
     /// The vehicle is not stable, so that there is no stationary response.
     #[error("the vehicle has no stationary response: its pole {re:e} {im:+e}i (1/s) is not damped")]
     NotDamped {
@@ -89,27 +99,44 @@ impl Variance {
 #[derive(Debug, Clone)]
 pub struct Ride<'a> {
     vehicle: &'a Vehicle,
-    road: &'a Road,
+    road: Excitation<'a>,
     speed_m_s: f64,
     places: Vec<[f64; 2]>,
     control: Option<&'a Control>,
+    /// Every wheel as if on a road of its own: sizes that cancellations are judged by.
+    apart: bool,
 }
 
 impl<'a> Ride<'a> {
     /// A ride.
     ///
     /// # Errors
-    /// A speed that is not positive, a vehicle without wheels or with a pole that is not damped.
-    pub fn new(vehicle: &'a Vehicle, road: &'a Road, speed_m_s: f64) -> Result<Self, RideError> {
+    /// A speed that is not positive, a vehicle without wheels or with a pole that is not damped, a filter of another number of
+    /// points than the vehicle has wheels.
+    pub fn new(
+        vehicle: &'a Vehicle,
+        road: impl Into<Excitation<'a>>,
+        speed_m_s: f64,
+    ) -> Result<Self, RideError> {
+        let ride = Self::standing(vehicle, road.into(), speed_m_s)?;
+        ride.check_damped()?;
+        Ok(ride)
+    }
+
+    fn standing(vehicle: &'a Vehicle, road: Excitation<'a>, speed_m_s: f64) -> Result<Self, RideError> {
         if !(SPEEDS_M_S[0]..=SPEEDS_M_S[1]).contains(&speed_m_s) {
             return Err(RideError::Speed(speed_m_s));
         }
         if vehicle.wheels().is_empty() {
             return Err(RideError::NoWheels);
         }
-        let ride = Ride { vehicle, road, speed_m_s, places: vehicle.wheel_places(), control: None };
-        ride.check_damped()?;
-        Ok(ride)
+        if let Excitation::Points(filter) = road
+            && filter.size() != vehicle.wheels().len()
+        {
+            return Err(RideError::Points { expected: vehicle.wheels().len(), found: filter.size() });
+        }
+        let places = vehicle.wheel_places();
+        Ok(Ride { vehicle, road, speed_m_s, places, control: None, apart: false })
     }
 
     /// A ride with a controller in its loop.
@@ -118,18 +145,12 @@ impl<'a> Ride<'a> {
     /// As [`Ride::new`], of the closed loop.
     pub fn controlled(
         vehicle: &'a Vehicle,
-        road: &'a Road,
+        road: impl Into<Excitation<'a>>,
         speed_m_s: f64,
         control: &'a Control,
     ) -> Result<Self, RideError> {
         // a vehicle that only its controller damps may ride
-        let ride = match Ride::new(vehicle, road, speed_m_s) {
-            Ok(ride) => ride,
-            Err(RideError::NotDamped { .. }) => {
-                Ride { vehicle, road, speed_m_s, places: vehicle.wheel_places(), control: None }
-            }
-            Err(e) => return Err(e),
-        };
+        let ride = Self::standing(vehicle, road.into(), speed_m_s)?;
         let ride = Ride { control: Some(control), ..ride };
         ride.check_damped()?;
         Ok(ride)
@@ -178,7 +199,7 @@ impl<'a> Ride<'a> {
     /// A dynamic stiffness that is singular at ω.
     pub fn spectrum(&self, outputs: &[&Output], omega_rad_s: f64) -> Result<CMat, RideError> {
         let h = self.response(outputs, omega_rad_s)?;
-        let s = wheel_spectrum(self.road, &self.places, omega_rad_s, self.speed_m_s);
+        let s = self.road.spectrum(&self.places, omega_rad_s, self.speed_m_s);
         Ok(h.conjugate() * s * h.transpose())
     }
 
@@ -212,20 +233,51 @@ impl<'a> Ride<'a> {
         outputs: &[&Output],
     ) -> Result<Option<Vec<Option<Variance>>>, RideError> {
         let Some(driven) = self.driven(outputs)? else { return Ok(None) };
-        if matches!(self.road.coherence(), Coherence::Bogsjo { mu } if *mu > 0.0) {
+        if self.is_bogsjo() {
             let known = driven.growth.iter().map(|g| infinite(*g)).collect();
             return Ok(Some(known));
         }
         let covariance = self.state_covariance(&driven, 0.0)?;
         let r = &driven.c * &covariance * driven.c.transpose();
-        let q = &driven.b * driven.b.transpose();
-        let apart = &driven.c * lyapunov(&driven.a, &q)?.x * driven.c.transpose();
+        let apart = self.sizes(&driven, outputs)?;
         let clean = |v: f64, size: f64| if v <= CANCELLED_VARIANCE * size { 0.0 } else { v };
         let values = driven.growth.iter().enumerate().map(|(i, g)| match g {
-            Growth::Finite => Some(Variance::Finite(clean(r[(i, i)], apart[(i, i)]))),
+            Growth::Finite => Some(Variance::Finite(clean(r[(i, i)], apart[i]))),
             other => infinite(*other),
         });
         Ok(Some(values.collect()))
+    }
+
+    /// Variances with every wheel on a road of its own.
+    fn sizes(&self, driven: &Driven, outputs: &[&Output]) -> Result<Vec<f64>, RideError> {
+        let of = |driven: &Driven| -> Result<Vec<f64>, RideError> {
+            let q = &driven.b * driven.b.transpose();
+            let r = &driven.c * lyapunov(&driven.a, &q)?.x * driven.c.transpose();
+            Ok((0..outputs.len()).map(|i| r[(i, i)]).collect())
+        };
+        let wheels = self.places.len();
+        let filter = match self.road {
+            Excitation::Road(_) => return of(driven),
+            Excitation::Points(_) => self.road.wheel_filter(wheels, self.speed_m_s),
+        };
+        let mut sum = vec![0.0; outputs.len()];
+        for wheel in 0..wheels {
+            let Some(filter) = filter.as_ref().map(|f| f.of_wheel(wheel)) else { return of(driven) };
+            let one = self.closed(outputs, |all| {
+                let mut one = Driven::by(self.vehicle, &filter, &[], all)?;
+                // one wheel alone may have white noise that cancels among all: its state's part is what counts
+                one.growth.fill(Growth::Finite);
+                Ok(Some(one))
+            })?;
+            let one = one.as_ref().map_or_else(|| of(driven), of)?;
+            sum.iter_mut().zip(one).for_each(|(s, v)| *s += v);
+        }
+        Ok(sum)
+    }
+
+    fn is_bogsjo(&self) -> bool {
+        let coherence = self.road.road().map(|r| r.coherence());
+        matches!(coherence, Some(Coherence::Bogsjo { mu }) if *mu > 0.0)
     }
 
     /// For each output, why its variance is infinite on this road, or None.
@@ -243,11 +295,18 @@ impl<'a> Ride<'a> {
     }
 
     fn driven(&self, outputs: &[&Output]) -> Result<Option<Driven>, RideError> {
-        let Some(control) = self.control else {
-            return Ok(Driven::new(self.vehicle, self.road, self.speed_m_s, outputs)?);
-        };
+        self.closed(outputs, |all| Ok(Driven::new(self.vehicle, self.road, self.speed_m_s, all)?))
+    }
+
+    /// What is driven, in its loop where there is a controller.
+    fn closed(
+        &self,
+        outputs: &[&Output],
+        driven: impl FnOnce(&[&Output]) -> Result<Option<Driven>, RideError>,
+    ) -> Result<Option<Driven>, RideError> {
+        let Some(control) = self.control else { return driven(outputs) };
         let all: Vec<&Output> = outputs.iter().copied().chain(control.measurements()).collect();
-        let open = Driven::new(self.vehicle, self.road, self.speed_m_s, &all)?;
+        let open = driven(&all)?;
         Ok(open.map(|open| control.close(self.vehicle, open)).transpose()?)
     }
 
@@ -255,10 +314,22 @@ impl<'a> Ride<'a> {
     fn state_covariance(&self, driven: &Driven, lag_s: f64) -> Result<Mat, RideError> {
         let size = driven.a.nrows();
         let mut sum = Mat::zeros(size, size);
+        let stepped = |p: Mat, ahead: f64| -> Result<Mat, RideError> {
+            let step = Mat::from_fn(size, size, |i, j| driven.a[(i, j)] * ahead.abs());
+            Ok(match ahead.total_cmp(&0.0) {
+                std::cmp::Ordering::Greater => expm(&step)? * p,
+                std::cmp::Ordering::Less => p * expm(&step)?.transpose(),
+                std::cmp::Ordering::Equal => p,
+            })
+        };
+        let Some(road) = self.road.road() else {
+            let q = &driven.b * driven.b.transpose();
+            return stepped(lyapunov(&driven.a, &q)?.x, -lag_s);
+        };
         let first = self.places.iter().map(|p| p[0]).fold(f64::NEG_INFINITY, f64::max);
         let delay = |j: usize| (first - self.places[j][0]) / self.speed_m_s;
-        let independent = *self.road.coherence() == Coherence::Independent;
-        for group in sources(self.road.coherence(), &self.places) {
+        let independent = *road.coherence() == Coherence::Independent;
+        for group in sources(road.coherence(), &self.places) {
             // Lyapunov's equation is linear: one solve for each distinct delay between two wheels of a group
             let mut pairs: Vec<(f64, Mat)> = Vec::new();
             for &i in &group {
@@ -272,13 +343,7 @@ impl<'a> Ride<'a> {
                 }
             }
             for (ahead, q) in pairs {
-                let p = lyapunov(&driven.a, &q)?.x;
-                let step = Mat::from_fn(size, size, |i, j| driven.a[(i, j)] * ahead.abs());
-                sum += match ahead.total_cmp(&0.0) {
-                    std::cmp::Ordering::Greater => expm(&step)? * p,
-                    std::cmp::Ordering::Less => p * expm(&step)?.transpose(),
-                    std::cmp::Ordering::Equal => p,
-                };
+                sum += stepped(lyapunov(&driven.a, &q)?.x, ahead)?;
             }
         }
         Ok(sum)

@@ -2,7 +2,6 @@
 
 use super::{CANCELLED_VARIANCE, Ride, RideError, Variance, infinite};
 use crate::linalg::{C64, CMat, Integral, Mat, integrate};
-use crate::road::{Coherence, wheel_spectrum, wheel_spectrum_without_delayed};
 use crate::vehicle::Output;
 use crate::vehicle::driven::Growth;
 use std::f64::consts::{PI, TAU};
@@ -11,6 +10,10 @@ use std::f64::consts::{PI, TAU};
 const QUADRATURE_TOLERANCE: f64 = 1e-9;
 /// Relative accuracy of the size that cancellations are judged by.
 const ROUGH_TOLERANCE: f64 = 1e-3;
+/// Sizes that cancellations are judged by count from this share of the slowest mode's frequency on.
+const SIZED_FROM: f64 = 0.01;
+/// Relative accuracy of a band's part.
+const BAND_TOLERANCE: f64 = 1e-6;
 /// Relative accuracy of the tail beyond, itself a small share of the whole.
 const TAIL_TOLERANCE: f64 = 1e-7;
 /// Beyond this multiple of the fastest pole the responses are power laws, and what is delayed averages out.
@@ -44,6 +47,50 @@ impl Ride<'_> {
         Ok(all)
     }
 
+    /// The part of finite variances that a band of frequencies has, (1/π) ∫ S_y dω over it; to 10⁻⁶ of the larger.
+    ///
+    /// # Errors
+    /// A quadrature that does not come near its accuracy.
+    pub fn variances_in_band(
+        &self,
+        outputs: &[&Output],
+        band_rad_s: [f64; 2],
+    ) -> Result<Vec<f64>, RideError> {
+        let [own_low, own_high] = self.road.band_rad_s(self.speed_m_s);
+        let (low, high) = (band_rad_s[0].max(own_low), band_rad_s[1].min(own_high));
+        if outputs.is_empty() || !(low < high) {
+            return Ok(vec![0.0; outputs.len()]);
+        }
+        let mut points = self.breakpoints(0.0);
+        points.retain(|p| *p > low && *p < high);
+        points.extend([low, high]);
+        points.sort_by(f64::total_cmp);
+        let mut failed = None;
+        let found = integrate(
+            |w, out| {
+                if let Err(e) = self.auto_spectra(outputs, w, false, out) {
+                    failed = Some(e);
+                }
+            },
+            outputs.len(),
+            &points,
+            BAND_TOLERANCE,
+            &[],
+            MAX_EVALUATIONS,
+        );
+        if let Some(e) = failed {
+            return Err(e);
+        }
+        for (i, output) in outputs.iter().enumerate() {
+            let reached = found.errors[i] / found.values[i].abs().max(f64::MIN_POSITIVE);
+            if !(reached <= 1e3 * BAND_TOLERANCE) && found.values[i] > 0.0 {
+                let output = output.name.clone();
+                return Err(RideError::Quadrature { output, reached, expected: BAND_TOLERANCE });
+            }
+        }
+        Ok(found.values.iter().map(|v| v / PI).collect())
+    }
+
     /// R_y(τ) = E\[y_i(t) y_j(t + τ)\] of outputs with finite variance.
     ///
     /// # Errors
@@ -51,7 +98,7 @@ impl Ride<'_> {
     pub fn covariance(&self, outputs: &[&Output], lag_s: f64) -> Result<Mat, RideError> {
         let n = outputs.len();
         let driven = self.driven(outputs)?;
-        let bogsjo = matches!(self.road.coherence(), Coherence::Bogsjo { mu } if *mu > 0.0);
+        let bogsjo = self.is_bogsjo();
         if let Some(d) = driven.as_ref().filter(|d| !bogsjo && d.growth.iter().all(|g| *g == Growth::Finite))
         {
             return Ok(&d.c * self.state_covariance(d, lag_s)? * d.c.transpose());
@@ -123,7 +170,7 @@ impl Ride<'_> {
             return self.spectrum(outputs, omega);
         }
         let h = self.response(outputs, omega)?;
-        let s = wheel_spectrum_without_delayed(self.road, &self.places, omega, self.speed_m_s);
+        let s = self.road.spectrum_averaged(&self.places, omega, self.speed_m_s);
         Ok(h.conjugate() * s * h.transpose())
     }
 
@@ -136,13 +183,19 @@ impl Ride<'_> {
         out: &mut [f64],
     ) -> Result<(), RideError> {
         let h = self.response(outputs, omega)?;
-        let under = if averaged { wheel_spectrum_without_delayed } else { wheel_spectrum };
-        let s = under(self.road, &self.places, omega, self.speed_m_s);
+        let s = if averaged {
+            self.road.spectrum_averaged(&self.places, omega, self.speed_m_s)
+        } else {
+            self.road.spectrum(&self.places, omega, self.speed_m_s)
+        };
         let w = s.nrows();
         for (i, value) in out.iter_mut().enumerate() {
             *value = 0.0;
             for a in 0..w {
                 *value += h[(i, a)].norm_sqr() * s[(a, a)].re;
+                if self.apart {
+                    continue;
+                }
                 for b in 0..a {
                     *value += 2.0 * (h[(i, a)].conj() * s[(a, b)] * h[(i, b)]).re;
                 }
@@ -156,17 +209,12 @@ impl Ride<'_> {
         if outputs.is_empty() {
             return Ok(Vec::new());
         }
-        let apart = self.road.with_coherence(Coherence::Independent);
-        let apart = Ride {
-            vehicle: self.vehicle,
-            road: &apart,
-            speed_m_s: self.speed_m_s,
-            places: self.places.clone(),
-            control: self.control,
-        };
-        let size = apart.integrate_to(outputs, ROUGH_TOLERANCE, &[])?.values;
+        let apart = Ride { apart: true, ..self.clone() };
+        // heights that wander belong together in some outputs: each alone has no size at rest
+        let from = SIZED_FROM * self.slowest()?;
+        let size = apart.integrate_to(outputs, from, ROUGH_TOLERANCE, &[])?.values;
         let floor: Vec<f64> = size.iter().map(|v| CANCELLED_VARIANCE * v).collect();
-        let total = self.integrate_to(outputs, QUADRATURE_TOLERANCE, &floor)?;
+        let total = self.integrate_to(outputs, 0.0, QUADRATURE_TOLERANCE, &floor)?;
         for (i, output) in outputs.iter().enumerate() {
             let reached = total.errors[i] / total.values[i].abs().max(floor[i]).max(f64::MIN_POSITIVE);
             // the estimate of the Gauss–Kronrod pair is pessimistic by orders of magnitude
@@ -178,7 +226,21 @@ impl Ride<'_> {
         Ok(total.values.iter().zip(floor).map(|(v, f)| if *v <= f { 0.0 } else { v / PI }).collect())
     }
 
-    fn integrate_to(&self, outputs: &[&Output], relative: f64, floor: &[f64]) -> Result<Integral, RideError> {
+    /// The slowest mode of the vehicle itself that is no rigid motion, rad/s.
+    fn slowest(&self) -> Result<f64, RideError> {
+        let passive = Ride { control: None, ..self.clone() };
+        let sizes: Vec<f64> = passive.poles()?.iter().map(|p| p.norm()).collect();
+        let fastest = sizes.iter().copied().fold(0.0, f64::max);
+        Ok(sizes.into_iter().filter(|p| *p > 1e-6 * fastest).fold(fastest, f64::min))
+    }
+
+    fn integrate_to(
+        &self,
+        outputs: &[&Output],
+        from: f64,
+        relative: f64,
+        floor: &[f64],
+    ) -> Result<Integral, RideError> {
         let n = outputs.len();
         let mut failed = None;
         let mut diagonal = |omega: f64, out: &mut [f64], averaged: bool| {
@@ -186,7 +248,11 @@ impl Ride<'_> {
                 failed = Some(e);
             }
         };
-        let points = self.breakpoints(0.0);
+        let mut points = self.breakpoints(0.0);
+        if points.first().is_some_and(|p| *p < from) && points.last().is_some_and(|p| *p > from) {
+            points.retain(|p| *p > from);
+            points.insert(0, from);
+        }
         let mut total =
             integrate(|w, out| diagonal(w, out, false), n, &points, relative, floor, MAX_EVALUATIONS);
         let (tail, unbounded) = self.tail();
@@ -213,7 +279,7 @@ impl Ride<'_> {
     /// Where the tail begins, and whether there is one.
     fn tail(&self) -> (f64, bool) {
         let fastest = self.pole_sizes().into_iter().fold(0.0, f64::max);
-        let [_, high] = self.road.spectrum().band_rad_s(self.speed_m_s);
+        let [_, high] = self.road.band_rad_s(self.speed_m_s);
         (TAIL_FACTOR * fastest, high.is_infinite())
     }
 
@@ -223,15 +289,17 @@ impl Ride<'_> {
 
     /// Band edges, poles and corners, and panels that follow e^{iωτ} of the longest delay.
     fn breakpoints(&self, lag_s: f64) -> Vec<f64> {
-        let [low, high] = self.road.spectrum().band_rad_s(self.speed_m_s);
+        let [low, high] = self.road.band_rad_s(self.speed_m_s);
         let high = if high.is_finite() { high } else { self.tail().0 };
         let mut points = vec![low, high];
         let mut corners = self.pole_sizes();
-        corners.extend(self.road.spectrum().corners_rad_s(self.speed_m_s));
+        corners.extend(self.road.corners_rad_s(self.speed_m_s));
         points.extend(corners.iter().flat_map(|p| [0.5 * p, p * 0.9, *p, p * 1.1, 2.0 * p]));
         let ahead = self.places.iter().map(|p| p[0]).fold(f64::NEG_INFINITY, f64::max);
         let behind = self.places.iter().map(|p| p[0]).fold(f64::INFINITY, f64::min);
-        let longest = (ahead - behind) / self.speed_m_s + lag_s;
+        // a filter of all points has no delays of its own
+        let apart = if self.road.road().is_some() { (ahead - behind) / self.speed_m_s } else { 0.0 };
+        let longest = apart + lag_s;
         if longest > 0.0 {
             let panels = ((high - low) * longest / TAU).ceil().min(MAX_DELAY_PANELS);
             points.extend((1..panels as usize).map(|i| low + (high - low) * i as f64 / panels));
