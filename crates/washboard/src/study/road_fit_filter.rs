@@ -6,8 +6,8 @@ use crate::subspace::{
     Order, ShapeFit, ShapeProblem, ShapeSettings, ShapeWeights, SubspaceError, Weights, log10_errors,
 };
 
-/// A filter without the low-pass's state is taken if its log₁₀ error is below this (rounding), or no more than this many times
-/// the error with it.
+/// A filter with fewer states for the low-pass is taken if its log₁₀ error is below this (rounding), or no more than this many times
+/// the error of one with more.
 const NEGLIGIBLE: f64 = 1e-7;
 const AS_NEAR: f64 = 1.01;
 /// The same where poles were moved: that alone changes the density nearest to a pole by 1e-4.
@@ -117,27 +117,35 @@ impl<'a> FilterProblem<'a> {
                 }
             })
             .collect();
-        let mut best: Option<RoadFilter> = None;
-        let mut failure = None;
+        let (mut filters, mut failure) = (Vec::new(), None);
         for one in found {
             match one {
+                Ok(filter) => filters.push(filter),
                 Err(e) => failure = failure.or(Some(e)),
-                // with fewer states for the low-pass, if one can; else the nearer one
-                Ok(filter) => {
-                    let added = |f: &RoadFilter| f.system.order().saturating_sub(f.fit.model.order);
-                    let rank = |f: &RoadFilter| (added(f), f.fit.log10_rms_error);
-                    if best.as_ref().is_none_or(|b| rank(&filter) < rank(b)) {
-                        best = Some(filter);
-                    }
-                }
             }
         }
+        let nearest = filters.iter().map(|f| f.fit.log10_rms_error).fold(f64::INFINITY, f64::min);
+        let added = |f: &RoadFilter| f.system.order().saturating_sub(f.fit.model.order);
+        // of those that are as near as the nearest the one with fewest states for the low-pass
+        let best = filters
+            .into_iter()
+            .filter(|f| !(f.fit.log10_rms_error > as_near(&f.fit, nearest)))
+            .min_by(|f, g| {
+                let error = |f: &RoadFilter| f.fit.log10_rms_error;
+                added(f).cmp(&added(g)).then(error(f).total_cmp(&error(g)))
+            });
         match (best, failure) {
             (Some(filter), _) => Ok(filter),
             (None, Some(e)) => Err(e),
             (None, None) => Err(SubspaceError::NoSplit { order: 0, inside: 0 }),
         }
     }
+}
+
+/// The log₁₀ error up to which a filter of this fit is as near to the samples as one of error `nearest`.
+fn as_near(fit: &ShapeFit, nearest: f64) -> f64 {
+    let rounding = if fit.model.summand.folded > 0 { MOVED } else { NEGLIGIBLE };
+    (AS_NEAR * nearest).max(rounding)
 }
 
 /// S(1 + ω²/ω_r²)ᵏ with the weights of S.
@@ -214,8 +222,7 @@ fn without_one(
     let none = Mat::zeros(g.outputs(), g.inputs());
     let proper = StateSpace::continuous(g.a().clone(), b * faer::Scale(c), g.c().clone(), none)?;
     let system = passed(proper, c, times.saturating_sub(1))?;
-    let rounding = if fit.model.summand.folded > 0 { MOVED } else { NEGLIGIBLE };
-    if !(log10_rms_error(&system, omega, s)? <= (AS_NEAR * fit.log10_rms_error).max(rounding)) {
+    if !(log10_rms_error(&system, omega, s)? <= as_near(fit, fit.log10_rms_error)) {
         return Ok(None);
     }
     let far = FAR * omega.last().copied().unwrap_or(1.0);

@@ -4,6 +4,7 @@ use super::folder::{Folder, fit, grid, source};
 use std::f64::consts::{PI, TAU};
 use std::fmt::Write;
 use std::fs;
+use washboard::linalg::C64;
 use washboard::road::Spectrum;
 use washboard::study::{DensityConvention, RideSpec, RoadFitSpec, load_road, ride, road_fit};
 use washboard::units::Convention;
@@ -98,6 +99,30 @@ fn conventions_are_one_road() {
         e.contains("convention: expected a convention over distance") && e.contains("one-sided-per-hz"),
         "{e}"
     );
+}
+
+/// Where no corner is given, the filter is as near to the samples as with the better one of the two that are tried, though the other
+/// one needs no state for its low-pass: order 2 of samples of order 3.
+#[test]
+fn a_filter_without_a_low_pass_is_not_taken_where_it_is_far_off() {
+    /// Two filters of one fit, with the low-pass and without.
+    const AS_NEAR: f64 = 1.01;
+    let folder = Folder::new("corners");
+    let (low, high) = (0.05, 30.0);
+    let mut text = "omega_rad_s,psd\n".to_owned();
+    for w in grid(low, high, 300) {
+        let s = C64::new(0.0, w);
+        let g = (s + 3.0) * 0.02 / ((s * s + s * 0.4 + 1.0) * (s + 0.3));
+        writeln!(text, "{w},{:e}", g.norm_sqr()).unwrap();
+    }
+    let spec = RoadFitSpec { order: Some(2), ..source(folder.file("S.csv", &text)) };
+    let found = fit(spec.clone()).unwrap();
+    let given =
+        [0.5 * low, 2.0 * high].map(|c| fit(RoadFitSpec { roll_off_rad: Some(c), ..spec.clone() }).unwrap());
+    let errors = given.each_ref().map(|g| g.log10_rms_error);
+    // the corner below the band needs a state and is nearer, the one beyond needs none
+    assert!(given[0].states > given[1].states && 2.0 * errors[0] < errors[1], "{errors:?}");
+    assert!(found.log10_rms_error <= AS_NEAR * errors[0] && found.usable, "{}", found.log10_rms_error);
 }
 
 /// The convention of the road layer itself is what fits are held against.
