@@ -88,9 +88,11 @@ fn the_index_of_real_profiles_is_the_references() {
     assert!(worst < 1e-3, "{worst}");
 }
 
-/// Profile → spectrum → fit with relative weights: log₁₀ rms error of 0.1 or less over the band, order given and chosen.
+/// Profile → spectrum → fit with relative weights: the order that is chosen follows the bands of the data.
 #[test]
 fn real_profiles_are_fitted_over_the_band_of_the_data() {
+    /// Of log₁₀, rms. A regression value: .021 to .031 is measured, and other orders have up to .1.
+    const FOLLOWED: f64 = 0.04;
     for name in ["profile_1.txt", "profile_2.txt"] {
         let Some(path) = sorel(name) else { return };
         let spec = |order, weight| RoadFitSpec {
@@ -112,7 +114,7 @@ fn real_profiles_are_fitted_over_the_band_of_the_data() {
                 found.positivity_repaired,
                 found.folded
             );
-            assert!(found.log10_rms_error < 0.1, "{name}: {}", found.log10_rms_error);
+            assert!(found.log10_rms_error < FOLLOWED, "{name}: {}", found.log10_rms_error);
         }
     }
 }
