@@ -2,36 +2,19 @@
 
 #![allow(clippy::print_stdout, clippy::unwrap_used)]
 
+#[path = "common/spectra.rs"]
+mod spectra;
+
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 use std::f64::consts::PI;
 use std::time::Instant;
-use washboard::linalg::{C64, Mat};
-use washboard::lti::{Discrete, StateSpace};
+use washboard::linalg::C64;
 use washboard::subspace::{Samples, SpectrumSettings, Weights, fit_spectrum};
 
-/// The system of the thesis's example 2.3.1.
-fn example() -> StateSpace<Discrete> {
-    let a = [
-        [0.8876, 0.4494, 0.0, 0.0],
-        [-0.4494, 0.7978, 0.0, 0.0],
-        [0.0, 0.0, -0.6129, 0.0645],
-        [0.0, 0.0, -6.4516, -0.7419],
-    ];
-    let (b, c) = ([0.2247, 0.8989, 0.0323, 0.1290], [0.4719, 0.1124, 9.6774, 1.6129]);
-    StateSpace::discrete(
-        Mat::from_fn(4, 4, |i, j| a[i][j]),
-        Mat::from_fn(4, 1, |i, _| b[i]),
-        Mat::from_fn(1, 4, |_, j| c[j]),
-        Mat::from_fn(1, 1, |_, _| 0.9626),
-        1.0,
-    )
-    .unwrap()
-}
-
 fn noisy(count: u32, seed: u64) -> Samples {
-    let g = example();
+    let g = spectra::example();
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let theta: Vec<f64> =
         (0..count).map(|k| PI / f64::from(count) * (f64::from(k) + rng.random_range(0.1..0.9))).collect();

@@ -73,7 +73,7 @@ pub fn spectrum_of_profile(
 }
 
 /// Less the line of least squares.
-fn detrended(y: &[f64]) -> Vec<f64> {
+pub(crate) fn detrended(y: &[f64]) -> Vec<f64> {
     let n = y.len() as f64;
     let (middle, mean) = ((n - 1.0) / 2.0, y.iter().sum::<f64>() / n);
     let (mut xy, mut xx) = (0.0, 0.0);

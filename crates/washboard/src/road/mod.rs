@@ -8,6 +8,8 @@ mod matrix_filter_file;
 mod measured;
 mod profile;
 mod spec;
+mod spec_build;
+mod spec_table;
 mod spectrum;
 mod under_wheels;
 
@@ -17,6 +19,7 @@ pub(crate) use excitation::WheelFilter;
 pub use filter::{Shapes, ShapingFilter};
 pub use matrix_filter::MatrixFilter;
 pub use matrix_filter_file::{MatrixFilterKind, MatrixFilterSpec};
+pub(crate) use measured::detrended;
 pub use measured::{MeasuredSpectrum, spectrum_of_profile};
 pub use profile::{ProfileSettings, random_profile};
 pub use spec::{CoherenceSpec, FilterOutput, FilterVariable, RoadKind, RoadSpec};

@@ -1,5 +1,6 @@
 //! The job `interpolate`: a rational function through the values of a file, or near its measurements.
 
+use super::json_path::parse_json;
 use super::{Input, StudyError};
 use crate::files::{FileError, read_text};
 use crate::linalg::{C64, CMat, Mat};
@@ -9,6 +10,9 @@ use crate::subspace::{
 };
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
+
+/// Values whose squares a double holds with room to spare.
+const HELD: std::ops::RangeInclusive<f64> = 1e-100..=1e100;
 
 /// A file of values to interpolate.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
@@ -80,14 +84,14 @@ struct File {
 }
 
 #[derive(Deserialize)]
-#[serde(untagged)]
+#[serde(untagged, expecting = "expected a number or \"least\"")]
 enum Bound {
     Value(f64),
     Word(String),
 }
 
 #[derive(Deserialize)]
-#[serde(untagged)]
+#[serde(untagged, expecting = "expected [re, im] or \"infinity\"")]
 enum Place {
     Finite([f64; 2]),
     Word(String),
@@ -129,11 +133,18 @@ fn one() -> f64 {
 pub fn interpolate_file(spec: &InterpolateSpec) -> Result<(InterpolateOutcome, Vec<Input>), StudyError> {
     let path = &spec.data;
     let text = read_text(path)?;
-    let file: File =
-        serde_json::from_str(&text).map_err(|e| FileError::content(path, Some(e.line()), e.to_string()))?;
+    let file: File = parse_json(&text, path)?;
     let wrong = |message: String| StudyError::from(FileError::content(path, None, message));
-    let refused =
-        |source| StudyError::Interpolation { name: path.display().to_string(), source: Box::new(source) };
+    let scale = scale_of(&file);
+    let refused = |source| {
+        let source = match source {
+            SubspaceError::Bound { bound, least } => {
+                SubspaceError::Bound { bound: bound * scale, least: least * scale }
+            }
+            other => other,
+        };
+        StudyError::Interpolation { name: path.display().to_string(), source: Box::new(source) }
+    };
     let domain = match (file.domain.as_str(), file.lambda) {
         ("disk", None) => Domain::Disk,
         ("disk", Some(l)) => return Err(wrong(format!("lambda: expected none on the disk, found {l}"))),
@@ -146,7 +157,7 @@ pub fn interpolate_file(spec: &InterpolateSpec) -> Result<(InterpolateOutcome, V
     let nodes = |field: &str, rows: &[Row]| -> Result<Vec<Node>, StudyError> {
         rows.iter()
             .enumerate()
-            .map(|(k, row)| node(row).map_err(|e| wrong(format!("{field}[{k}].{e}"))))
+            .map(|(k, row)| node(row, scale).map_err(|e| wrong(format!("{field}[{k}].{e}"))))
             .collect()
     };
     let (data, constraints) = (nodes("nodes", &file.nodes)?, nodes("constraints", &file.constraints)?);
@@ -163,14 +174,19 @@ pub fn interpolate_file(spec: &InterpolateSpec) -> Result<(InterpolateOutcome, V
                     return Err(wrong(format!("order: expected none with a bound, found {n}")));
                 }
                 let asked = match asked {
-                    Bound::Value(v) => Some(v),
+                    Bound::Value(v) if v > 0.0 && v.is_finite() => Some(v / scale),
+                    Bound::Value(v) => {
+                        return Err(wrong(format!(
+                            "bound: expected a number above 0 or \"least\", found {v}"
+                        )));
+                    }
                     Bound::Word(w) if w == "least" => None,
                     Bound::Word(w) => {
                         return Err(wrong(format!("bound: expected a number or \"least\", found {w:?}")));
                     }
                 };
                 let found = interpolate_bounded(&data, asked).map_err(refused)?;
-                bound = Some([found.bound, found.least]);
+                bound = Some([found.bound * scale, found.least * scale]);
                 found.interpolant
             }
         }
@@ -184,10 +200,10 @@ pub fn interpolate_file(spec: &InterpolateSpec) -> Result<(InterpolateOutcome, V
         let Some(order) = file.order else {
             return Err(wrong("order: expected a number for measured values, found none".into()));
         };
-        let measured = measured(&file.measured).map_err(wrong)?;
+        let measured = measured(&file.measured, scale).map_err(wrong)?;
         fit_response(domain, &measured, &constraints, order).map_err(refused)?
     };
-    let outcome = outcome(&found, file.domain, file.lambda, bound);
+    let outcome = outcome(&found, file.domain, file.lambda, bound, scale);
     Ok((outcome, vec![Input::of(path.display().to_string(), text.as_bytes())]))
 }
 
@@ -208,9 +224,12 @@ fn outcome(
     domain: String,
     lambda: Option<f64>,
     bound: Option<[f64; 2]>,
+    scale: f64,
 ) -> InterpolateOutcome {
-    let rows = |m: &Mat| (0..m.nrows()).map(|i| (0..m.ncols()).map(|j| m[(i, j)]).collect()).collect();
-    let [a, b, c, d] = found.system.matrices().map(rows);
+    let rows =
+        |m: &Mat, by: f64| (0..m.nrows()).map(|i| (0..m.ncols()).map(|j| m[(i, j)] * by).collect()).collect();
+    let [a, b, c, d] = found.system.matrices();
+    let (a, b, c, d) = (rows(a, 1.0), rows(b, 1.0), rows(c, scale), rows(d, scale));
     let (status, why) = if !found.meets_its_data() {
         let why = format!(
             "the function of order {} misses the data by {:.1e} of their size",
@@ -234,7 +253,7 @@ fn outcome(
         b,
         c,
         d,
-        singular_values: found.singular_values.clone(),
+        singular_values: found.singular_values.iter().map(|s| s * scale).collect(),
         max_error: found.max_error,
         stable: found.stable,
         bound,
@@ -245,18 +264,30 @@ fn number(x: [f64; 2]) -> C64 {
     C64::new(x[0], x[1])
 }
 
-fn matrix(rows: &Rows) -> Result<CMat, String> {
+/// A power of two, about the largest value where squares of it are not held by a double; else 1.
+fn scale_of(file: &File) -> f64 {
+    let nodes = file.nodes.iter().chain(&file.constraints).flat_map(|n| &n.values);
+    let all = nodes.chain(file.measured.iter().map(|m| &m.value)).flatten().flatten().flatten();
+    let largest = all.map(|x| x.abs()).fold(0.0, f64::max);
+    if HELD.contains(&largest) || !(largest > 0.0 && largest.is_finite()) {
+        return 1.0;
+    }
+    2f64.powi(largest.log2().round() as i32)
+}
+
+/// Over `scale`.
+fn matrix(rows: &Rows, scale: f64) -> Result<CMat, String> {
     let columns = rows.first().map_or(0, Vec::len);
     match rows.iter().find(|r| r.len() != columns || columns == 0) {
         Some(row) => {
             Err(format!("expected rows of {} numbers [re, im], found {}", columns.max(1), row.len()))
         }
         None if rows.is_empty() => Err("expected rows of numbers [re, im], found none".into()),
-        None => Ok(CMat::from_fn(rows.len(), columns, |i, j| number(rows[i][j]))),
+        None => Ok(CMat::from_fn(rows.len(), columns, |i, j| number(rows[i][j].map(|x| x / scale)))),
     }
 }
 
-fn node(row: &Row) -> Result<Node, String> {
+fn node(row: &Row, scale: f64) -> Result<Node, String> {
     let z = match &row.z {
         Place::Finite(z) => Point::Finite(number(*z)),
         Place::Word(w) if w == "infinity" => Point::Infinity,
@@ -270,14 +301,15 @@ fn node(row: &Row) -> Result<Node, String> {
         (Some(_), Some(_)) => return Err("left: expected one direction, found left and right".into()),
     };
     let values = row.values.iter().enumerate();
-    let values =
-        values.map(|(k, v)| matrix(v).map_err(|e| format!("values[{k}]: {e}"))).collect::<Result<_, _>>()?;
+    let values = values
+        .map(|(k, v)| matrix(v, scale).map_err(|e| format!("values[{k}]: {e}")))
+        .collect::<Result<_, _>>()?;
     Ok(Node { z, values, side })
 }
 
-fn measured(rows: &[MeasuredRow]) -> Result<Vec<Measured>, String> {
+fn measured(rows: &[MeasuredRow], scale: f64) -> Result<Vec<Measured>, String> {
     let one = |(k, row): (usize, &MeasuredRow)| {
-        let value = matrix(&row.value).map_err(|e| format!("measured[{k}].value: {e}"))?;
+        let value = matrix(&row.value, scale).map_err(|e| format!("measured[{k}].value: {e}"))?;
         Ok(Measured { z: number(row.z), value, variance: row.variance })
     };
     rows.iter().enumerate().map(one).collect()

@@ -3,13 +3,15 @@
 use super::identify_outcome::Flag;
 use super::new_file::check_new_file;
 use super::number_table::NumberTable;
+use super::road_analytic_data::{AXES, angles, checked};
 use super::road_fit::{pairs, rows};
 use super::{Input, RoadAnalyticSpec, StudyError};
-use crate::linalg::{C64, RealSchur};
+use crate::files::FileError;
+use crate::linalg::{C64, Mat, RealSchur};
+use crate::lti::StateSpace;
 use crate::subspace::{
     AnalyticModel, AnalyticSettings, Part, SubspaceError, Unpaired, Weights, fit_analytic,
 };
-use crate::units::rad_per_s;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 use std::fmt::Write;
@@ -84,17 +86,14 @@ pub struct RoadAnalyticRun {
     pub inputs: Vec<Input>,
 }
 
+/// Values that differ by less than this share of the largest are one value.
+const CONSTANT: f64 = 1e-13;
+/// Values below this have no digits left.
+const LEAST: f64 = 1e-290;
+/// Values whose squares a double holds.
+const HELD: std::ops::RangeInclusive<f64> = 1e-100..=1e100;
 /// The columns that may be given.
 const GIVEN: [&str; 4] = ["real", "imag", "phase_rad", "magnitude"];
-/// Frequencies: name, in cycles.
-const AXES: [(&str, bool); 5] = [
-    ("theta_rad", false),
-    ("omega_rad_s", false),
-    ("freq_hz", true),
-    ("nu_rad_per_m", false),
-    ("n_cycles_per_m", true),
-];
-
 /// The function of the samples that a spec names; the caller writes its file.
 ///
 /// # Errors
@@ -121,6 +120,18 @@ pub fn road_analytic(spec: &RoadAnalyticSpec) -> Result<RoadAnalyticRun, StudyEr
     let raw = table.index(given).map(|k| table.columns[k].clone()).unwrap_or_default();
     let logarithm = matches!(*given, "phase_rad" | "magnitude");
     let values = checked(&table, given, raw.clone())?;
+    let largest = values.iter().map(|v| v.abs()).fold(0.0, f64::max);
+    let varies = values.iter().any(|v| (v - values[0]).abs() > CONSTANT * largest);
+    if !varies || largest < LEAST {
+        let found = format!("{:?} in all {} rows", raw.first().copied().unwrap_or(0.0), raw.len());
+        let message = format!(
+            "column {given}: expected values that vary, above {LEAST:e}, found {found}: there is no function to find"
+        );
+        return Err(FileError::content(&table.path, None, message).into());
+    }
+    // numbers whose squares a double does not hold
+    let scale = if HELD.contains(&largest) { 1.0 } else { largest };
+    let values: Vec<f64> = values.iter().map(|v| v / scale).collect();
     let part = match (*given, spec.positive) {
         ("real", true) => Part::PositiveReal,
         ("real" | "magnitude", false) => Part::Real,
@@ -137,7 +148,15 @@ pub fn road_analytic(spec: &RoadAnalyticSpec) -> Result<RoadAnalyticRun, StudyEr
     let settings = AnalyticSettings { unpaired: Unpaired::Fold, ..AnalyticSettings::new(n, p) };
     let fail =
         |e: SubspaceError| StudyError::Shape { name: spec.data.display().to_string(), source: Box::new(e) };
-    let model = fit_analytic(&theta, &values, Weights::Equal, part, &settings).map_err(fail)?;
+    let mut model = fit_analytic(&theta, &values, Weights::Equal, part, &settings).map_err(fail)?;
+    if scale != 1.0 {
+        let by = |m: &Mat| m * faer::Scale(scale);
+        let f = &model.system;
+        let scaled = StateSpace::discrete(f.a().clone(), f.b().clone(), by(f.c()), by(f.d()), settings.dt_s);
+        model.system = scaled.map_err(|e| fail(e.into()))?;
+        model.singular_values.iter_mut().for_each(|s| *s *= scale);
+    }
+    let values: Vec<f64> = values.iter().map(|v| v * scale).collect();
     let (samples, errors) = evaluated(&model, theta, raw, &values, logarithm, part).map_err(fail)?;
     if model.folded > 0 {
         note(
@@ -173,7 +192,9 @@ pub fn road_analytic(spec: &RoadAnalyticSpec) -> Result<RoadAnalyticRun, StudyEr
             "ln f is not rational: the order is that of an approximation, whose error is given".into(),
         );
     }
-    let rms = |x: &[f64]| (x.iter().map(|x| x * x).sum::<f64>() / x.len().max(1) as f64).sqrt();
+    let rms = |x: &[f64]| {
+        (x.iter().map(|x| (x / scale).powi(2)).sum::<f64>() / x.len().max(1) as f64).sqrt() * scale
+    };
     let a = model.system.a();
     let mut poles = if a.nrows() == 0 {
         Vec::new()
@@ -203,66 +224,6 @@ pub fn road_analytic(spec: &RoadAnalyticSpec) -> Result<RoadAnalyticRun, StudyEr
         file: spec.output.as_ref().map(|p| p.display().to_string()),
     };
     Ok(RoadAnalyticRun { outcome, file, inputs: vec![table.input] })
-}
-
-/// Angles, λ, and whether λ was chosen here.
-fn angles(table: &NumberTable, spec: &RoadAnalyticSpec) -> Result<(Vec<f64>, Option<f64>, bool), StudyError> {
-    let found: Vec<_> = AXES.iter().filter_map(|a| table.index(a.0).map(|k| (k, a))).collect();
-    let [(at, (name, cycles))] = found.as_slice() else {
-        return Err(
-            table.header_error("one column theta_rad, omega_rad_s, freq_hz, nu_rad_per_m or n_cycles_per_m")
-        );
-    };
-    table.ascending(*at, 0.0)?;
-    let values = &table.columns[*at];
-    if let Some(l) = spec.lambda_rad
-        && !(l > 0.0 && l.is_finite())
-    {
-        let expected = "a positive number".to_owned();
-        return Err(StudyError::Setting { field: "lambda", expected, found: l.to_string() });
-    }
-    if *name == "theta_rad" {
-        if spec.lambda_rad.is_some() {
-            let expected = "no lambda with theta_rad, which is on the circle already".to_owned();
-            return Err(StudyError::Setting { field: "lambda", expected, found: "one".into() });
-        }
-        if let Some(row) = values.iter().position(|t| *t > PI) {
-            let message = format!("column theta_rad: expected angles from 0 to pi, found {}", values[row]);
-            return Err(table.row_error(row, message));
-        }
-        return Ok((values.clone(), None, false));
-    }
-    let omega: Vec<f64> = values.iter().map(|w| if *cycles { rad_per_s(*w) } else { *w }).collect();
-    let low = omega.iter().copied().find(|w| *w > 0.0).unwrap_or(1.0);
-    let high = omega.last().copied().filter(|w| *w > 0.0).unwrap_or(1.0);
-    let lambda = spec.lambda_rad.unwrap_or((low * high).sqrt());
-    let theta = omega.iter().map(|w| 2.0 * (w / lambda).atan()).collect();
-    Ok((theta, Some(lambda), spec.lambda_rad.is_none()))
-}
-
-/// What is fitted: logarithms of magnitudes, phases without jumps.
-fn checked(table: &NumberTable, given: &str, raw: Vec<f64>) -> Result<Vec<f64>, StudyError> {
-    match given {
-        "magnitude" => {
-            if let Some(row) = raw.iter().position(|m| !(*m > 0.0)) {
-                let message = format!("column magnitude: expected a number above 0, found {}", raw[row]);
-                return Err(table.row_error(row, message));
-            }
-            Ok(raw.iter().map(|m| m.ln()).collect())
-        }
-        "phase_rad" => {
-            if let Some(row) = (1..raw.len()).find(|k| (raw[*k] - raw[k - 1]).abs() > PI) {
-                let message = format!(
-                    "column phase_rad: expected a continuous phase, found {} after {}: unwrap it first",
-                    raw[row],
-                    raw[row - 1]
-                );
-                return Err(table.row_error(row, message));
-            }
-            Ok(raw)
-        }
-        _ => Ok(raw),
-    }
 }
 
 /// f at the samples, and the given part less the fitted one.

@@ -3,9 +3,11 @@
 use super::identify_outcome::Flag;
 use super::new_file::check_new_file;
 use super::road_fit_file::{check_name, filter_file, road_of};
-use super::road_fit_filter::{Choice, Feedthrough, RoadFilter, choose, fit_filter};
+use super::road_fit_filter::{Feedthrough, RoadFilter, fit_filter};
+use super::road_fit_order::{Choice, choose};
 use super::road_fit_source::{FitSamples, FitSource, read_source};
 use super::road_fit_words::notes;
+use super::spectrum_smooth::averages;
 use super::{FitWeight, Input, RoadFitSpec, StudyError};
 use crate::linalg::{C64, Mat};
 use crate::road::{FilterOutput, FilterVariable};
@@ -17,6 +19,8 @@ use std::path::PathBuf;
 const MOST_ORDER: usize = 10;
 /// Errors of the logarithm (log₁₀, rms) under relative weights above which a filter is none: a factor of three.
 const LOST: f64 = 0.5;
+/// Densities whose squares a double holds with room for a band.
+const HELD: std::ops::RangeInclusive<f64> = 1e-60..=1e60;
 /// Orders and block rows at most.
 const MOST: usize = 40;
 
@@ -132,6 +136,7 @@ pub fn road_fit(spec: &RoadFitSpec) -> Result<RoadFitRun, StudyError> {
     }
     check_points(&spec.points, size(&samples))?;
     let (settings, most, weight) = settings(spec, &samples)?;
+    let scale = scale_of(&mut samples);
     // points move what stands on them by dampers too: their velocities must not be white
     let roll_off_order = spec.roll_off_order.unwrap_or(if size(&samples) > 1 { 2 } else { 1 });
     let feedthrough = match (samples.of, spec.proper, spec.roll_off_rad) {
@@ -140,6 +145,7 @@ pub fn road_fit(spec: &RoadFitSpec) -> Result<RoadFitRun, StudyError> {
     };
     let fail = |source| StudyError::Shape { name: spec.source.clone(), source: Box::new(source) };
     let (omega, s) = (&samples.omega, &samples.s);
+    let averages = averages(omega, s);
     let (filter, orders) = match spec.order {
         Some(_) => (fit_filter(omega, s, &settings, feedthrough).map_err(fail)?, Vec::new()),
         None => {
@@ -147,6 +153,11 @@ pub fn road_fit(spec: &RoadFitSpec) -> Result<RoadFitRun, StudyError> {
             choose(omega, s, &settings, feedthrough, most, choice).map_err(fail)?
         }
     };
+    let filter = filter.times(scale).map_err(fail)?;
+    samples
+        .s
+        .iter_mut()
+        .for_each(|s| *s = &*s * faer::Scale(C64::new(scale, 0.0)) * faer::Scale(C64::new(scale, 0.0)));
     let spectrum = compared(&filter, &samples, &spec.source)?;
     let errors: Vec<f64> = spectrum
         .given
@@ -195,7 +206,7 @@ pub fn road_fit(spec: &RoadFitSpec) -> Result<RoadFitRun, StudyError> {
     if !outcome.usable {
         outcome.file = None;
     }
-    outcome.notes.extend(notes(&outcome, &filter));
+    outcome.notes.extend(notes(&outcome, &filter, spec.order, averages));
     let file = match &spec.output {
         Some(path) if outcome.usable => {
             Some((path.clone(), filter_file(path, &outcome, &samples, &spec.source)?))
@@ -301,6 +312,13 @@ fn settings(
         (None, Some(r)) => (ShapeWeights::Given(Weights::Variances(r.clone())), "given"),
         (Some(FitWeight::Relative2), _) | (None, None) => (ShapeWeights::RelativeSquared, "relative2"),
     };
+    let allowed = spec.block_rows.map_or(most, |p| most.min(p.saturating_sub(1) * m / 2));
+    if allowed < spec.order.unwrap_or(1) {
+        let n = spec.order.unwrap_or(1);
+        let expected = format!("{} or more, (2 order)/{m} + 1 of order {n}", (2 * n).div_ceil(m) + 1);
+        let found = spec.block_rows.unwrap_or(0).to_string();
+        return Err(StudyError::Setting { field: "p", expected, found });
+    }
     let settings = ShapeSettings {
         order,
         block_rows: spec.block_rows,
@@ -309,7 +327,21 @@ fn settings(
         unpaired: Unpaired::Fold,
         roll_off_rad: None,
     };
-    Ok((settings, spec.max_order.unwrap_or((MOST_ORDER * m).min(MOST)).min(most), name))
+    Ok((settings, spec.max_order.unwrap_or((MOST_ORDER * m).min(MOST)).min(allowed), name))
+}
+
+/// A power of two by which a filter is larger than that of the samples as they are now, where densities were too large or too small for
+/// their squares; else 1.
+fn scale_of(samples: &mut FitSamples) -> f64 {
+    let largest = samples.s.iter().map(|s| s.norm_max()).fold(0.0, f64::max);
+    if HELD.contains(&largest) || !(largest > 0.0) {
+        return 1.0;
+    }
+    let scale = 2f64.powi((0.5 * largest.log2()).round() as i32);
+    samples.s.iter_mut().for_each(|s| {
+        *s = &*s * faer::Scale(C64::new(1.0 / scale, 0.0)) * faer::Scale(C64::new(1.0 / scale, 0.0))
+    });
+    scale
 }
 
 /// Samples beside the filter that will be written: of one track through the road that its file makes.

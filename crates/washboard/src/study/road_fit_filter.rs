@@ -1,22 +1,22 @@
-//! A shaping filter that a road can be (strictly proper where it shapes height), and the choice of its order.
+//! A shaping filter that a road can be: strictly proper where it shapes height.
 
-use super::FitOrder;
-use super::road_fit_words::drop;
 use crate::linalg::{C64, CMat, Mat, solve};
 use crate::lti::{Continuous, StateSpace};
-use crate::subspace::{Order, ShapeFit, ShapeSettings, ShapeWeights, SubspaceError, Weights, fit_shape};
+use crate::subspace::{
+    Order, ShapeFit, ShapeProblem, ShapeSettings, ShapeWeights, SubspaceError, Weights, log10_errors,
+};
 
-/// A rest of the low-pass below this share of the smallest response in the band is rounding.
-const NEGLIGIBLE: f64 = 1e-8;
+/// A filter with fewer states for the low-pass is taken if its log₁₀ error is below this (rounding), or no more than this many times
+/// the error of one with more.
+const NEGLIGIBLE: f64 = 1e-7;
+const AS_NEAR: f64 = 1.01;
+/// The same where poles were moved: that alone changes the density nearest to a pole by 1e-4.
+const MOVED: f64 = 5e-5;
+/// Zeros beyond this many times the band's upper end are at infinity: they change the response by the inverse.
+const FAR: f64 = 1e8;
 /// Where the low-pass has its corner where nothing is given: half the band's lower end (heights fall over the whole band, as a road's), or
 /// twice its upper end (they fall beyond it), whichever fits better.
 const CORNERS: [f64; 2] = [0.5, 2.0];
-/// Relative errors below this are rounding: a higher order can't be better.
-const EXACT: f64 = 1e-8;
-/// Exact data are followed to this log₁₀ error (rms) by the order that singular values tell: none is better.
-const FOLLOWED: f64 = 1e-6;
-/// A road is followed to this log₁₀ error (rms), where an order is to be chosen.
-pub(super) const ACCURATE: f64 = 0.02;
 
 /// A filter as it is written, and the fit that it came from.
 #[derive(Debug)]
@@ -31,6 +31,18 @@ pub(super) struct RoadFilter {
     pub fit: ShapeFit,
 }
 
+impl RoadFilter {
+    /// The filter of a spectrum `scale`² as large.
+    pub fn times(mut self, scale: f64) -> Result<Self, SubspaceError> {
+        if scale != 1.0 {
+            let m = self.system.inputs();
+            self.system = self.system.times(&Mat::from_fn(m, m, |i, j| if i == j { scale } else { 0.0 }))?;
+            self.gain = self.gain.map(|k| k * scale);
+        }
+        Ok(self)
+    }
+}
+
 /// What is done with a feedthrough.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Feedthrough {
@@ -40,180 +52,192 @@ pub(super) enum Feedthrough {
     RollOff(Option<f64>, usize),
 }
 
-/// How an order is chosen.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Choice {
-    /// N ln(Σ w r²/N) + k ln N of the relative errors r is smallest: noisy samples.
-    Criterion,
-    /// The lowest order that is accurate, or else the most accurate: exact samples.
-    Accuracy,
-}
-
-/// What one order gave: its error, and how many singular values stand out.
-struct Attempt {
-    error: f64,
-    told: Option<usize>,
-}
-
-/// The filter of the best order from 1 to `most` (of a matrix: of the multiples of its size, and first of the one that singular
-/// values tell), and all that were tried.
-pub(super) fn choose(
-    omega: &[f64],
-    s: &[CMat],
-    settings: &ShapeSettings,
-    feedthrough: Feedthrough,
-    most: usize,
-    choice: Choice,
-) -> Result<(RoadFilter, Vec<FitOrder>), SubspaceError> {
-    let m = s.first().map_or(1, |s| s.nrows());
-    let mut tried: Vec<FitOrder> = Vec::new();
-    let mut best: Option<(f64, RoadFilter)> = None;
-    let mut failure = None;
-    let mut attempt =
-        |order: usize, best: &mut Option<(f64, RoadFilter)>| -> Result<Attempt, SubspaceError> {
-            let one = ShapeSettings { order: Order::Given(order), ..settings.clone() };
-            match fit_filter(omega, s, &one, feedthrough) {
-                Err(e) => {
-                    tried.push(FitOrder { order, log10_rms_error: None, bic: None });
-                    failure = Some(e);
-                    Ok(Attempt { error: f64::INFINITY, told: None })
-                }
-                Ok(filter) => {
-                    let error = filter.fit.log10_rms_error;
-                    let told = drop(&filter.fit.model.singular_values);
-                    let bic = criterion(&filter, omega, s, &settings.weights)?;
-                    tried.push(FitOrder { order, log10_rms_error: Some(error), bic: Some(bic) });
-                    let value = if choice == Choice::Criterion { bic } else { error };
-                    if best.as_ref().is_none_or(|b| value < b.0) {
-                        *best = Some((value, filter));
-                    }
-                    Ok(Attempt { error, told })
-                }
-            }
-        };
-    // as many states more for every channel, or one step after another
-    for order in (m..=most).step_by(m) {
-        let found = attempt(order, &mut best)?;
-        if choice == Choice::Accuracy && found.error < ACCURATE {
-            break;
-        }
-        // of exact data singular values tell the order, 2n of them: a matrix's is beyond many that are slow to try
-        let told = found.told.map(|k| k / 2).filter(|n| m > 1 && order == m && (m + 1..=most).contains(n));
-        if let Some(n) = told
-            && attempt(n, &mut best)?.error < FOLLOWED
-        {
-            break;
-        }
-    }
-    tried.sort_by_key(|t| t.order);
-    tried.dedup_by_key(|t| t.order);
-    match (best, failure) {
-        (Some((_, filter)), _) => Ok((filter, tried)),
-        (None, Some(e)) => Err(e),
-        (None, None) => {
-            let (expected, found) = ("1 or more".to_owned(), most.to_string());
-            Err(SubspaceError::Field { field: "max_order", expected, found })
-        }
-    }
-}
-
-/// Fits the samples. Where no feedthrough may be, S(1 + ω²/ω_r²)ᵏ is fitted and followed by (ω_r/(s + ω_r))ᵏ: the low-pass bends nothing within the
-/// band, and a spectrum as steep as a road's becomes flat before it is fitted.
+/// Fits the samples, see [`FilterProblem`].
 pub(super) fn fit_filter(
     omega: &[f64],
     s: &[CMat],
     settings: &ShapeSettings,
     feedthrough: Feedthrough,
 ) -> Result<RoadFilter, SubspaceError> {
-    let low = omega.iter().copied().find(|w| *w > 0.0).unwrap_or(1.0);
-    let high = omega.last().copied().filter(|w| *w > 0.0).unwrap_or(1.0);
-    let times = match feedthrough {
-        Feedthrough::RollOff(Some(corner), times) => {
-            return rolled(omega, s, settings, corner, times, high);
+    FilterProblem::new(omega, s, settings, feedthrough)?.fit(settings.order)
+}
+
+/// Where no feedthrough may be, S(1 + ω²/ω_r²)ᵏ is fitted and followed by (ω_r/(s + ω_r))ᵏ: the low-pass bends nothing within the
+/// band, and a spectrum as steep as a road's becomes flat before it is fitted.
+pub(super) struct FilterProblem<'a> {
+    omega: &'a [f64],
+    s: &'a [CMat],
+    /// Upper end of the band.
+    high: f64,
+    /// k.
+    times: usize,
+    /// What is fitted, and with which ω_r.
+    ways: Vec<(Option<f64>, ShapeProblem<'a>)>,
+}
+
+impl<'a> FilterProblem<'a> {
+    pub fn new(
+        omega: &'a [f64],
+        s: &'a [CMat],
+        settings: &ShapeSettings,
+        feedthrough: Feedthrough,
+    ) -> Result<Self, SubspaceError> {
+        let low = omega.iter().copied().find(|w| *w > 0.0).unwrap_or(1.0);
+        let high = omega.last().copied().filter(|w| *w > 0.0).unwrap_or(1.0);
+        let (corners, times) = match feedthrough {
+            Feedthrough::Keep => (vec![None], 0),
+            Feedthrough::RollOff(Some(corner), times) => (vec![Some(corner)], times),
+            Feedthrough::RollOff(None, times) => {
+                (vec![Some(CORNERS[0] * low), Some(CORNERS[1] * high)], times)
+            }
+        };
+        let way = |corner: Option<f64>| {
+            let problem = match corner {
+                None => ShapeProblem::new(omega, s, settings)?,
+                Some(corner) => lifted(omega, s, settings, corner, times)?,
+            };
+            Ok((corner, problem))
+        };
+        let ways = corners.into_iter().map(way).collect::<Result<_, SubspaceError>>()?;
+        Ok(FilterProblem { omega, s, high, times, ways })
+    }
+
+    /// # Errors
+    /// As [`ShapeProblem::fit`], of the first way where none succeeds.
+    pub fn fit(&mut self, order: Order) -> Result<RoadFilter, SubspaceError> {
+        let (omega, s, high, times) = (self.omega, self.s, self.high, self.times);
+        let found: Vec<Result<RoadFilter, SubspaceError>> = self
+            .ways
+            .iter_mut()
+            .map(|(corner, problem)| {
+                let fit = problem.fit(order)?;
+                match *corner {
+                    None => of(fit.filter.clone(), fit.zeros.clone(), high, None, fit),
+                    Some(corner) => rolled(fit, omega, s, corner, times, high),
+                }
+            })
+            .collect();
+        let (mut filters, mut failure) = (Vec::new(), None);
+        for one in found {
+            match one {
+                Ok(filter) => filters.push(filter),
+                Err(e) => failure = failure.or(Some(e)),
+            }
         }
-        Feedthrough::Keep => {
-            let fit = fit_shape(omega, s, settings)?;
-            return of(fit.filter.clone(), fit.zeros.clone(), high, None, fit);
+        let nearest = filters.iter().map(|f| f.fit.log10_rms_error).fold(f64::INFINITY, f64::min);
+        let added = |f: &RoadFilter| f.system.order().saturating_sub(f.fit.model.order);
+        // of those that are as near as the nearest the one with fewest states for the low-pass
+        let best = filters
+            .into_iter()
+            .filter(|f| !(f.fit.log10_rms_error > as_near(&f.fit, nearest)))
+            .min_by(|f, g| {
+                let error = |f: &RoadFilter| f.fit.log10_rms_error;
+                added(f).cmp(&added(g)).then(error(f).total_cmp(&error(g)))
+            });
+        match (best, failure) {
+            (Some(filter), _) => Ok(filter),
+            (None, Some(e)) => Err(e),
+            (None, None) => Err(SubspaceError::NoSplit { order: 0, inside: 0 }),
         }
-        Feedthrough::RollOff(None, times) => times,
-    };
-    let [below, beyond] =
-        [CORNERS[0] * low, CORNERS[1] * high].map(|c| rolled(omega, s, settings, c, times, high));
-    match (below, beyond) {
-        // without a state for the low-pass, if one can
-        (Ok(a), Ok(b)) if a.roll_off_rad.is_none() != b.roll_off_rad.is_none() => {
-            Ok(if a.roll_off_rad.is_none() { a } else { b })
-        }
-        (Ok(a), Ok(b)) => Ok(if a.fit.log10_rms_error <= b.fit.log10_rms_error { a } else { b }),
-        (Ok(one), Err(_)) | (Err(_), Ok(one)) => Ok(one),
-        (Err(e), Err(_)) => Err(e),
     }
 }
 
-fn rolled(
-    omega: &[f64],
+/// The log₁₀ error up to which a filter of this fit is as near to the samples as one of error `nearest`.
+fn as_near(fit: &ShapeFit, nearest: f64) -> f64 {
+    let rounding = if fit.model.summand.folded > 0 { MOVED } else { NEGLIGIBLE };
+    (AS_NEAR * nearest).max(rounding)
+}
+
+/// S(1 + ω²/ω_r²)ᵏ with the weights of S.
+fn lifted<'a>(
+    omega: &'a [f64],
     s: &[CMat],
     settings: &ShapeSettings,
     corner: f64,
     times: usize,
-    high: f64,
-) -> Result<RoadFilter, SubspaceError> {
+) -> Result<ShapeProblem<'a>, SubspaceError> {
     let lift: Vec<f64> =
         omega.iter().map(|w| (0..times).fold(1.0, |lift, _| lift * (1.0 + (w / corner).powi(2)))).collect();
     let lifted: Vec<CMat> = s.iter().zip(&lift).map(|(s, l)| s * faer::Scale(C64::new(*l, 0.0))).collect();
     let squares = |r: &[f64]| Weights::Variances(r.iter().zip(&lift).map(|(r, l)| r * l * l).collect());
-    // an error of S is one of S(1 + ω²/ω_r²) that is as many times larger
+    // an error of S is one of S(1 + ω²/ω_r²)ᵏ that is as many times larger
     let weights = match &settings.weights {
         ShapeWeights::Equal => ShapeWeights::Given(squares(&vec![1.0; omega.len()])),
         ShapeWeights::Given(Weights::Variances(r)) => ShapeWeights::Given(squares(r)),
         other => other.clone(),
     };
-    let fit = fit_shape(omega, &lifted, &ShapeSettings { weights, ..settings.clone() })?;
-    let m = fit.filter.outputs();
-    let eye = |v: f64| Mat::from_fn(m, m, |i, j| if i == j { v } else { 0.0 });
-    let low_pass = StateSpace::continuous(eye(-corner), eye(corner), eye(1.0), Mat::zeros(m, m))?;
-    let mut zeros = fit.zeros.clone();
-    let mut system = fit.filter.clone();
-    let mut appended = false;
-    for pass in 1..=times {
-        // the last of several stays: behind a strictly proper filter it makes C B exactly 0, and no velocity is white
-        let without =
-            if pass == times && times > 1 { None } else { without_low_pass(&system, omega, corner)? };
-        if let Some(without) = without {
-            // the zero that the low-pass's pole meets
-            let off = |z: &C64| (*z + corner).norm();
-            let nearest = (0..zeros.len()).min_by(|a, b| off(&zeros[*a]).total_cmp(&off(&zeros[*b])));
-            nearest.map(|k| zeros.remove(k));
-            system = without;
-        } else {
-            system = system.series(&low_pass)?;
-            appended = true;
-        }
-    }
-    of(system, zeros, high, appended.then_some(corner), fit)
+    ShapeProblem::new(omega, &lifted, &ShapeSettings { weights, ..settings.clone() })
 }
 
-/// G(s) c/(s + c) = C(sI − A)⁻¹B′ + c G(−c)/(s + c) with B′ = c(A + cI)⁻¹B: strictly proper without another state where G(−c) is rounding, as it
-/// is where the samples are of a strictly proper filter.
-fn without_low_pass(
-    g: &StateSpace<Continuous>,
+/// The fit with the low-pass passed k times, once less where that can be.
+fn rolled(
+    fit: ShapeFit,
     omega: &[f64],
+    s: &[CMat],
+    corner: f64,
+    times: usize,
+    high: f64,
+) -> Result<RoadFilter, SubspaceError> {
+    if let Some((system, zeros)) = without_one(&fit, omega, s, corner, times)? {
+        let appended = times > 1;
+        return of(system, zeros, high, appended.then_some(corner), fit);
+    }
+    let (system, zeros) = (passed(fit.filter.clone(), corner, times)?, fit.zeros.clone());
+    of(system, zeros, high, Some(corner), fit)
+}
+
+/// G(s)(ω_r/(s + ω_r))ᵏ.
+fn passed(
+    mut g: StateSpace<Continuous>,
+    corner: f64,
+    times: usize,
+) -> Result<StateSpace<Continuous>, SubspaceError> {
+    let m = g.outputs();
+    let eye = |v: f64| Mat::from_fn(m, m, |i, j| if i == j { v } else { 0.0 });
+    let low_pass = StateSpace::continuous(eye(-corner), eye(corner), eye(1.0), Mat::zeros(m, m))?;
+    for _ in 0..times {
+        g = g.series(&low_pass)?;
+    }
+    Ok(g)
+}
+
+/// A system and, of a scalar one, its finite zeros.
+type WithZeros = (StateSpace<Continuous>, Vec<C64>);
+
+/// G(s) c/(s + c) = C(sI − A)⁻¹B′ + c G(−c)/(s + c) with B′ = c(A + cI)⁻¹B: strictly proper without another state where G(−c) is rounding, as it
+/// is where the samples are of a strictly proper filter. Taken where it follows the samples as well and is minimum phase. The other k − 1
+/// low-passes stay: behind a strictly proper filter they make C B exactly 0, and no velocity is white.
+fn without_one(
+    fit: &ShapeFit,
+    omega: &[f64],
+    s: &[CMat],
     c: f64,
-) -> Result<Option<StateSpace<Continuous>>, SubspaceError> {
+    times: usize,
+) -> Result<Option<WithZeros>, SubspaceError> {
+    let g = &fit.filter;
     let n = g.order();
     let shifted = Mat::from_fn(n, n, |i, j| g.a()[(i, j)] + if i == j { c } else { 0.0 });
     // a pole at −c itself
     let Ok(b) = solve(&shifted, g.b()) else { return Ok(None) };
-    let rest = (g.d() - g.c() * &b).norm_l2();
-    let mut least = f64::INFINITY;
-    for w in omega {
-        least = least.min(g.at(C64::new(0.0, *w))?.norm_l2());
-    }
-    if !(rest <= NEGLIGIBLE * least) {
+    let none = Mat::zeros(g.outputs(), g.inputs());
+    let proper = StateSpace::continuous(g.a().clone(), b * faer::Scale(c), g.c().clone(), none)?;
+    let system = passed(proper, c, times.saturating_sub(1))?;
+    if !(log10_rms_error(&system, omega, s)? <= as_near(fit, fit.log10_rms_error)) {
         return Ok(None);
     }
-    let none = Mat::zeros(g.outputs(), g.inputs());
-    Ok(Some(StateSpace::continuous(g.a().clone(), b * faer::Scale(c), g.c().clone(), none)?))
+    let far = FAR * omega.last().copied().unwrap_or(1.0);
+    let zeros: Vec<C64> = system.zeros()?.into_iter().filter(|z| z.norm() < far).collect();
+    if !zeros.iter().all(|z| z.re < 0.0) {
+        return Ok(None);
+    }
+    Ok(Some((system, if g.outputs() == 1 { zeros } else { Vec::new() })))
+}
+
+/// Root mean square of log₁₀ of fitted over given trace.
+fn log10_rms_error(g: &StateSpace<Continuous>, omega: &[f64], s: &[CMat]) -> Result<f64, SubspaceError> {
+    let traces: Vec<f64> = s.iter().map(|s| (0..s.nrows()).map(|i| s[(i, i)].re).sum()).collect();
+    let errors = log10_errors(g, omega, &traces)?;
+    Ok((errors.iter().map(|e| e * e).sum::<f64>() / errors.len().max(1) as f64).sqrt())
 }
 
 /// States scaled, roots sorted, the gain made positive.
@@ -241,35 +265,4 @@ fn of(
         gain = Some(found.abs());
     }
     Ok(RoadFilter { system, poles, zeros, gain, roll_off_rad, fit })
-}
-
-/// Bayes' criterion of the relative errors of the filter, weighted as they were fitted.
-fn criterion(
-    filter: &RoadFilter,
-    omega: &[f64],
-    s: &[CMat],
-    weights: &ShapeWeights,
-) -> Result<f64, SubspaceError> {
-    let m = filter.system.outputs();
-    let (mut sum, mut total) = (0.0, 0.0);
-    for (k, (w, s)) in omega.iter().zip(s).enumerate() {
-        let h = filter.system.at(C64::new(0.0, *w))?;
-        let (found, size) = (&h * h.adjoint(), s.norm_l2());
-        if size == 0.0 {
-            continue;
-        }
-        let error = if m == 1 { (found[(0, 0)].re / size).ln() } else { (found - s).norm_l2() / size };
-        // S²/R: how many times the error that is looked for the sample's own is not
-        let weight = match weights {
-            ShapeWeights::Equal => size * size,
-            ShapeWeights::Relative => size,
-            ShapeWeights::Given(Weights::Variances(r)) => size * size / r[k],
-            ShapeWeights::RelativeSquared | ShapeWeights::Given(_) => 1.0,
-        };
-        sum += weight * error * error;
-        total += weight;
-    }
-    let observed = (omega.len() * m * m) as f64;
-    let unknowns = (2 * filter.fit.model.order * m + m * (m + 1) / 2) as f64;
-    Ok(observed * (sum / total).max(EXACT * EXACT).ln() + unknowns * observed.ln())
 }

@@ -4,10 +4,11 @@ use super::identify_outcome::Flag;
 use super::number_table::NumberTable;
 use super::profile_file::{ProfileFile, hint, is_profile, profile_of};
 use super::spectrum_file::spectrum_of;
+use super::spectrum_smooth::smooth;
 use super::{Input, RoadFitSpec, StudyError, load_road, read_result};
 use crate::files::FileError;
 use crate::linalg::{C64, CMat};
-use crate::road::{CoherenceSpec, FilterOutput, FilterVariable, spectrum_of_profile};
+use crate::road::{CoherenceSpec, FilterOutput, FilterVariable, detrended, spectrum_of_profile};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
@@ -23,6 +24,10 @@ const SEGMENT_SHARE: f64 = 0.125;
 const MOST_SEGMENT_M: f64 = 400.0;
 /// Bands an octave of a profile's spectrum.
 const PER_OCTAVE: f64 = 3.0;
+/// Heights this near to a line, as a share of the largest height, are the line and rounding.
+const STRAIGHT: f64 = 1e-12;
+/// Heights beyond this have squares that a double may not hold, m.
+const MOST_HEIGHT_M: f64 = 1e100;
 /// A profile's steps may differ by this share before it is made even.
 const EVEN: f64 = 1e-3;
 
@@ -73,6 +78,10 @@ pub(super) fn read_source(spec: &RoadFitSpec) -> Result<FitSamples, StudyError> 
     };
     if let (Some([low, high]), true) = (spec.band_rad, samples.kind != FitSource::Road) {
         keep_band(&mut samples, low, high);
+    }
+    if let Some(per_octave) = spec.smooth_per_octave {
+        stray(samples.kind != FitSource::Spectrum, "smooth", "none, which belongs to raw spectra")?;
+        smooth(&mut samples, per_octave)?;
     }
     Ok(samples)
 }
@@ -157,7 +166,6 @@ fn of_road(name: &str, spec: &RoadFitSpec) -> Result<FitSamples, StudyError> {
     })
 }
 
-/// Welch's spectrum of a profile in bands of a third of an octave.
 /// How many bands there are before the slope's density falls off a cliff: a profile that was smoothed or made from a road with
 /// an end has leakage alone beyond.
 fn with_content(nu: &[f64], s: &[f64]) -> usize {
@@ -165,6 +173,7 @@ fn with_content(nu: &[f64], s: &[f64]) -> usize {
     (1..s.len()).find(|k| *k >= LEAST_BANDS && slope(*k) * EMPTY < slope(k - 1)).unwrap_or(s.len())
 }
 
+/// Welch's spectrum of a profile in bands of a third of an octave.
 fn of_profile(profile: ProfileFile, spec: &RoadFitSpec) -> Result<FitSamples, StudyError> {
     stray(spec.convention.is_some(), "convention", "none, which belongs to spectra")?;
     stray(spec.of == Some(FilterOutput::Velocity), "of", "displacement: a profile is one of height")?;
@@ -190,7 +199,12 @@ fn of_profile(profile: ProfileFile, spec: &RoadFitSpec) -> Result<FitSamples, St
     } else {
         profile.tracks.clone()
     };
+    check_heights(&profile, &tracks)?;
     let segment = spec.segment_m.unwrap_or((SEGMENT_SHARE * length).min(MOST_SEGMENT_M));
+    if segment > length + step {
+        let expected = format!("at most the profile's length, {length} m");
+        return Err(StudyError::Setting { field: "segment_m", expected, found: segment.to_string() });
+    }
     let found = spectrum_of_profile(&tracks, step, segment, PER_OCTAVE)?;
     if tracks.len() > 1 {
         let all = profile.names.join(", ");
@@ -230,6 +244,25 @@ fn of_profile(profile: ProfileFile, spec: &RoadFitSpec) -> Result<FitSamples, St
         notes,
         inputs: vec![profile.table.input],
     })
+}
+
+/// Refuses heights that no spectrum can be had of: a straight line, or numbers without squares.
+fn check_heights(profile: &ProfileFile, tracks: &[Vec<f64>]) -> Result<(), StudyError> {
+    let largest = |y: &[f64]| y.iter().map(|y| y.abs()).fold(0.0, f64::max);
+    for (y, name) in tracks.iter().zip(&profile.names) {
+        let (size, rough) = (largest(y), largest(&detrended(y)));
+        let message = if size > MOST_HEIGHT_M {
+            format!("column {name}: expected heights below {MOST_HEIGHT_M:e} m, found {size:e}")
+        } else if rough <= STRAIGHT * size {
+            format!(
+                "column {name}: expected heights that leave a straight line, found one ({rough:.1e} m off it): it has no spectrum"
+            )
+        } else {
+            continue;
+        };
+        return Err(FileError::content(&profile.table.path, None, message).into());
+    }
+    Ok(())
 }
 
 fn even(x: &[f64], y: &[f64], step: f64, count: usize) -> Vec<f64> {

@@ -2,19 +2,48 @@
 
 use super::identify_outcome::Flag;
 use super::road_fit::RoadFitOutcome;
-use super::road_fit_filter::{ACCURATE, RoadFilter};
+use super::road_fit_filter::RoadFilter;
+use super::road_fit_order::ACCURATE;
 use super::road_fit_source::FitSource;
 use crate::road::FilterOutput;
 
 /// Singular values that fall by more than this at once tell signal from noise.
 const SHARP: f64 = 100.0;
+/// Densities of fewer averages than this are called raw.
+const RAW: f64 = 4.0;
+/// Averages after which the logarithm is as good as the density: 0.1 in its mean.
+const LEAST_AVERAGES: usize = 5;
 /// A fit further off than this (log₁₀, rms) is called rough.
 const ROUGH: f64 = 0.1;
 
 /// Choice of the order, repairs, foldings, roll-off, and where the filter may be believed.
-pub(super) fn notes(o: &RoadFitOutcome, filter: &RoadFilter) -> Vec<Flag> {
+pub(super) fn notes(
+    o: &RoadFitOutcome,
+    filter: &RoadFilter,
+    asked: Option<usize>,
+    averages: Option<f64>,
+) -> Vec<Flag> {
     let mut notes = Vec::new();
     let mut note = |name: &str, text: String| notes.push(Flag { name: name.to_owned(), text });
+    if let Some(asked) = asked.filter(|n| *n > o.order) {
+        let surplus = asked - o.order;
+        note(
+            "order-lowered",
+            format!(
+                "order {} comes nearest to the samples; {asked} were asked for, and {} more would be noise",
+                o.order,
+                if surplus == 1 { "one state".to_owned() } else { format!("{surplus} states") }
+            ),
+        );
+    }
+    if let Some(k) = averages.filter(|k| o.source == FitSource::Spectrum && *k < RAW) {
+        note(
+            "raw",
+            format!(
+                "neighbouring densities scatter as those of {k:.1} averages do: the logarithm of such densities is low, and weights from them favour the low ones. --smooth 3 averages them in thirds of an octave first, or give the mean of {LEAST_AVERAGES} spectra or more"
+            ),
+        );
+    }
     if !o.orders.is_empty() {
         let tried = o.orders.last().map_or(0, |t| t.order);
         let sharp = drop(&o.singular_values).map_or_else(String::new, |n| {

@@ -54,6 +54,9 @@ pub struct RoadFitSpec {
     /// Length of the segments of a profile's spectrum.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub segment_m: Option<f64>,
+    /// Bands an octave in which a raw spectrum is averaged before it is fitted.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub smooth_per_octave: Option<f64>,
     /// FILTER.toml, a road file; or FILTER.json, a state space.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub output: Option<PathBuf>,

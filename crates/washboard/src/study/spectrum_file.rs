@@ -2,7 +2,8 @@
 
 use super::number_table::NumberTable;
 use super::road_fit_source::{FitSamples, FitSource};
-use super::{DensityConvention, RoadFitSpec, StudyError};
+use super::{DensityConvention, FitWeight, RoadFitSpec, StudyError};
+use crate::files::FileError;
 use crate::linalg::{C64, CMat};
 use crate::road::{FilterOutput, FilterVariable};
 use crate::units::rad_per_s;
@@ -63,7 +64,19 @@ pub(super) fn spectrum_of(table: NumberTable, spec: &RoadFitSpec) -> Result<FitS
             Some(weights.iter().map(|w| 1.0 / w).collect())
         }
     };
-    let omega = table.columns[*at].iter().map(|w| if *cycles { rad_per_s(*w) } else { *w }).collect();
+    let omega: Vec<f64> =
+        table.columns[*at].iter().map(|w| if *cycles { rad_per_s(*w) } else { *w }).collect();
+    let [low, high] = spec.band_rad.unwrap_or([0.0, f64::INFINITY]);
+    let inside: Vec<usize> = (0..rows).filter(|k| (low..=high).contains(&omega[*k])).collect();
+    entries.powered(&table, &inside)?;
+    let relative = variances.is_none() && spec.weight != Some(FitWeight::None);
+    if relative && spec.smooth_per_octave.is_none() {
+        let trace = |k: usize| (0..entries.m).map(|i| s[k][(i, i)].re).sum::<f64>();
+        if let Some(row) = inside.iter().find(|k| !(trace(**k) > 0.0)) {
+            let message = "expected a density above 0, which relative weights need, found 0: leave the row out, narrow --band, or take --weight none";
+            return Err(table.row_error(*row, message.into()));
+        }
+    }
     Ok(FitSamples {
         kind: FitSource::Spectrum,
         variable: if *spatial { FilterVariable::Distance } else { FilterVariable::Time },
@@ -119,6 +132,20 @@ fn entries(table: &NumberTable) -> Result<Entries, StudyError> {
 }
 
 impl Entries {
+    /// Refuses a channel whose density is 0 in all these rows.
+    fn powered(&self, table: &NumberTable, rows: &[usize]) -> Result<(), StudyError> {
+        for i in 0..self.m {
+            let Some((column, _)) = self.at[i * self.m + i] else { continue };
+            if !rows.is_empty() && rows.iter().all(|k| table.columns[column][*k] == 0.0) {
+                let name = table.label(column);
+                let message =
+                    format!("column {name}: expected densities above 0, found 0 in all {} rows", rows.len());
+                return Err(FileError::content(&table.path, None, message).into());
+            }
+        }
+        Ok(())
+    }
+
     /// The conjugate of what is written, times a factor: (G Gᴴ)_ij = E[X_i X_j*].
     fn matrix(&self, table: &NumberTable, row: usize, factor: f64) -> Result<CMat, StudyError> {
         let m = self.m;

@@ -1,11 +1,12 @@
 //! Algorithm 2.4.1: a stable rational function from samples of its real or imaginary part.
 
 use super::SubspaceError;
+use super::poles::poles;
 use super::positivity::{self, Repair};
 use super::range::{Range, Route};
 use super::samples::{Samples, Weights, scalars};
 use super::spectrum::{Unpaired, check};
-use super::summand::{LeastSquares, Parity, poles};
+use super::summand::{LeastSquares, Parity};
 use crate::linalg::{C64, CMat};
 use crate::lti::{Discrete, StateSpace};
 
@@ -87,7 +88,7 @@ pub fn fit_analytic(
     let (n, p) = (settings.order, settings.block_rows);
     check(&samples, p, n)?;
     let range = Range::of(&samples, p, Some(n), true)?;
-    let (a, c, folded) = poles(&range, p, n, settings.unpaired)?;
+    let (a, c, folded) = poles(&range, &samples, p, n, settings.unpaired)?;
     let fitted = LeastSquares::of(&samples, parity, a, c, folded)?;
     let (s, repair) = match part {
         Part::PositiveReal => {

@@ -246,7 +246,7 @@ pub enum SubspaceError {
     },
     /// A bound that no function through the data has.
     #[error(
-        "bound {bound}: no stable function through the data is below {least:.6e} everywhere on the boundary"
+        "bound {bound:?}: no stable function through the data is below {least:.6e} everywhere on the boundary"
     )]
     Bound {
         /// What was asked for.

@@ -5,6 +5,7 @@ mod analytic;
 mod error;
 mod factor;
 mod interpolation;
+mod poles;
 mod positivity;
 mod range;
 mod samples;
@@ -23,6 +24,7 @@ pub use interpolation::{
 pub use positivity::Repair;
 pub use range::Route;
 pub use samples::{Samples, Weights};
-pub use shape::{ShapeFit, ShapeSettings, ShapeWeights, fit_shape};
+pub(crate) use shape::log10_errors;
+pub use shape::{ShapeFit, ShapeProblem, ShapeSettings, ShapeWeights, fit_shape};
 pub use spectrum::{Order, OrderTried, SpectrumModel, SpectrumSettings, Unpaired, fit_spectrum};
 pub use summand::Summand;

@@ -17,6 +17,8 @@ const LEAST_FLOOR: f64 = 1e-13;
 const ROUNDS: usize = 60;
 /// Angles of the even grid on which minima are looked for.
 const GRID: usize = 1024;
+/// Samples that are looked at.
+const MOST_SAMPLES: usize = 8 * GRID;
 /// Steps of golden section at each minimum.
 const GOLDEN: usize = 40;
 
@@ -38,7 +40,8 @@ pub struct Repair {
 /// Angles at which a spectrum is looked at: the samples', an even grid, and a fan about every pole.
 pub(super) fn angles(samples: &Samples, a: &Mat) -> Result<Vec<f64>, LinalgError> {
     let mut all: Vec<f64> = (0..=GRID).map(|k| PI * k as f64 / GRID as f64).collect();
-    all.extend(samples.theta_rad());
+    // of very many samples some: what lies between is a function of few states
+    all.extend(samples.theta_rad().iter().step_by(samples.count().div_ceil(MOST_SAMPLES).max(1)));
     for pole in RealSchur::new(a)?.eigenvalues() {
         let (angle, distance) = (pole.arg().abs(), (1.0 - pole.norm()).max(1e-9));
         for k in -8..=8 {
@@ -159,10 +162,11 @@ pub(super) fn lifted(
 
 #[cfg(test)]
 mod tests {
+    use super::super::poles::poles;
     use super::super::range::Range;
     use super::super::samples::Weights;
     use super::super::spectrum::Unpaired;
-    use super::super::summand::{Parity, poles};
+    use super::super::summand::Parity;
     use super::*;
     use rand::{Rng, SeedableRng};
     use rand_chacha::ChaCha8Rng;
@@ -191,7 +195,7 @@ mod tests {
     fn fitted(samples: &Samples) -> LeastSquares {
         let p = 12;
         let range = Range::of(samples, p, Some(1), false).unwrap();
-        let (a, c, folded) = poles(&range, p, 1, Unpaired::Fold).unwrap();
+        let (a, c, folded) = poles(&range, samples, p, 1, Unpaired::Fold).unwrap();
         LeastSquares::of(samples, Parity::Even, a, c, folded).unwrap()
     }
 

@@ -3,9 +3,12 @@
 use super::samples::{Samples, Weights};
 use super::{SubspaceError, toeplitz};
 use crate::linalg::{C64, CMat, LinalgError, Mat};
+use rayon::prelude::*;
 
 /// Rows that are factored at a time, in columns: memory does not grow with the number of samples.
-const CHUNK: usize = 4;
+const CHUNK: usize = 8;
+/// Chunks that one task takes after each other. Tasks do not depend on the number of threads, and so R does not.
+const CHUNKS: usize = 32;
 
 /// How the range was found.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -16,6 +19,7 @@ pub enum Route {
     Moments,
 }
 
+#[derive(Debug)]
 /// K U of the decomposition K⁻¹ Ŝ W⊥ = U Σ Vᵀ, pm × pm, and Σ.
 pub(super) struct Range {
     pub ku: Mat,
@@ -59,9 +63,10 @@ impl Range {
                         }
                     }
                 }
+                Ok(())
             },
             2 * m,
-        );
+        )?;
         let r22 = r.submatrix(pm, pm, pm, pm).transpose().to_owned();
         let k = match samples.weights() {
             Weights::Equal => r.submatrix(0, 0, pm, pm).transpose().to_owned(),
@@ -80,9 +85,10 @@ impl Range {
                             }
                         }
                     }
+                    Ok(())
                 },
                 2 * m,
-            )
+            )?
             .transpose()
             .to_owned(),
         };
@@ -128,23 +134,41 @@ pub(super) fn half_of(weights: &Weights, k: usize, m: usize) -> CMat {
 pub(super) fn accumulated(
     samples: usize,
     columns: usize,
-    mut fill: impl FnMut(usize, faer::MatMut<'_, f64>),
+    fill: impl Fn(usize, faer::MatMut<'_, f64>) -> Result<(), LinalgError> + Sync,
     group: usize,
-) -> Mat {
-    let mut kept = 0;
+) -> Result<Mat, LinalgError> {
     let per_chunk = (CHUNK * columns).div_ceil(group.max(1)).max(1);
-    let mut r = Mat::zeros(0, columns);
-    let mut first = 0;
-    while first < samples {
-        let count = per_chunk.min(samples - first);
-        let mut stacked = Mat::zeros(kept + count * group, columns);
-        stacked.as_mut().subrows_mut(0, kept).copy_from(r.subrows(0, kept));
-        for k in 0..count {
-            fill(first + k, stacked.as_mut().subrows_mut(kept + k * group, group));
+    let per_task = per_chunk * CHUNKS;
+    let task = |t: usize| -> Result<Mat, LinalgError> {
+        let end = samples.min((t + 1) * per_task);
+        let mut r = Mat::zeros(0, columns);
+        let mut first = t * per_task;
+        while first < end {
+            let count = per_chunk.min(end - first);
+            let kept = r.nrows();
+            let mut stacked = Mat::zeros(kept + count * group, columns);
+            stacked.as_mut().subrows_mut(0, kept).copy_from(&r);
+            for k in 0..count {
+                fill(first + k, stacked.as_mut().subrows_mut(kept + k * group, group))?;
+            }
+            r = upper(&stacked);
+            first += count;
         }
-        r = stacked.qr().thin_R().to_owned();
-        kept = r.nrows();
-        first += count;
-    }
-    Mat::from_fn(columns, columns, |i, j| if i < kept && i <= j { r[(i, j)] } else { 0.0 })
+        Ok(r)
+    };
+    let parts: Vec<Mat> =
+        (0..samples.div_ceil(per_task)).into_par_iter().map(task).collect::<Result<_, _>>()?;
+    let all = parts.into_iter().reduce(|above, below| {
+        let (a, b) = (above.nrows(), below.nrows());
+        upper(&Mat::from_fn(a + b, columns, |i, j| if i < a { above[(i, j)] } else { below[(i - a, j)] }))
+    });
+    let r = all.unwrap_or_else(|| Mat::zeros(0, columns));
+    Ok(Mat::from_fn(columns, columns, |i, j| if i < r.nrows() { r[(i, j)] } else { 0.0 }))
+}
+
+/// R with zeros below its diagonal.
+fn upper(tall: &Mat) -> Mat {
+    let qr = tall.qr();
+    let r = qr.thin_R();
+    Mat::from_fn(r.nrows(), r.ncols(), |i, j| if i <= j { r[(i, j)] } else { 0.0 })
 }

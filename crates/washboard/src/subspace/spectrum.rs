@@ -2,13 +2,19 @@
 
 use super::SubspaceError;
 use super::factor::{SpectralFactor, spectral_factor};
+use super::poles::poles;
 use super::positivity::{self, Repair};
 use super::range::{Range, Route};
 use super::samples::Samples;
-use super::summand::{LeastSquares, Parity, Summand, poles};
+use super::summand::{LeastSquares, Parity, Summand};
 
 /// Residuals below this share of the samples are rounding: a higher order can't be better.
 const EXACT: f64 = 1e-11;
+/// Singular values below this share of the largest may be rounding, whose size depends on how near frequencies are: whether an
+/// order is one too many is then told by its misfit.
+const SURPLUS: f64 = 1e-6;
+/// And below this they are.
+const ROUNDING: f64 = 1e-13;
 
 /// Which order.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -67,7 +73,7 @@ pub struct OrderTried {
 /// A rational power spectrum and its factor.
 #[derive(Debug, Clone)]
 pub struct SpectrumModel {
-    /// n.
+    /// n: the one asked for, or a lower one that comes nearer to the samples (see [`fit_spectrum`]).
     pub order: usize,
     /// S = H + H~ by its causal half.
     pub summand: Summand,
@@ -99,7 +105,7 @@ pub struct SpectrumModel {
 ///
 /// Source: Türkay's thesis, algorithm 2.2.1, (2.23)–(2.95), with the errata of `docs/`.
 pub fn fit_spectrum(samples: &Samples, settings: &SpectrumSettings) -> Result<SpectrumModel, SubspaceError> {
-    let (p, m) = (settings.block_rows, samples.size());
+    let p = settings.block_rows;
     let most = match settings.order {
         Order::Given(n) | Order::AtMost(n) => n,
     };
@@ -108,56 +114,144 @@ pub fn fit_spectrum(samples: &Samples, settings: &SpectrumSettings) -> Result<Sp
         Order::Given(n) => Some(n),
         Order::AtMost(_) => None,
     };
-    let range = Range::of(samples, p, given, settings.moments)?;
-    let fit = |n: usize| -> Result<LeastSquares, SubspaceError> {
-        let (a, c, folded) = poles(&range, p, n, settings.unpaired)?;
-        LeastSquares::of(samples, Parity::Even, a, c, folded)
-    };
-    let mut orders = Vec::new();
-    let (order, fitted) = match settings.order {
-        Order::Given(n) => (n, fit(n)?),
-        Order::AtMost(most) => {
-            let observed = (samples.independent() * m * m) as f64;
-            let size = samples.s().iter().map(|s| s.norm_l2().powi(2)).sum::<f64>().sqrt();
-            let mut best: Option<(f64, usize, LeastSquares)> = None;
-            for n in 1..=most {
-                let Ok(fitted) = fit(n) else {
-                    orders.push(OrderTried { order: n, misfit: None, bic: None });
-                    continue;
-                };
-                let misfit = fitted.misfit(None);
-                let unknowns = (2 * n * m + m * (m + 1) / 2) as f64;
-                let bic = observed * ((misfit.max(EXACT * size)).powi(2) / observed).ln()
-                    + unknowns * observed.ln();
-                orders.push(OrderTried { order: n, misfit: Some(misfit), bic: Some(bic) });
-                if best.as_ref().is_none_or(|b| bic < b.0) {
-                    best = Some((bic, n, fitted));
-                }
+    fit_in_range(samples, settings, &Range::of(samples, p, given, settings.moments)?)
+}
+
+/// The same in a range that is known, of as many block rows.
+pub(super) fn fit_in_range(
+    samples: &Samples,
+    settings: &SpectrumSettings,
+    range: &Range,
+) -> Result<SpectrumModel, SubspaceError> {
+    let problem = Problem { samples, settings, range };
+    match settings.order {
+        Order::Given(n) => problem.given(n),
+        Order::AtMost(most) => problem.at_most(most),
+    }
+}
+
+/// Samples with their range, from which any order is fitted.
+struct Problem<'a> {
+    samples: &'a Samples,
+    settings: &'a SpectrumSettings,
+    range: &'a Range,
+}
+
+impl Problem<'_> {
+    fn fitted(&self, n: usize) -> Result<LeastSquares, SubspaceError> {
+        let (a, c, folded) =
+            poles(self.range, self.samples, self.settings.block_rows, n, self.settings.unpaired)?;
+        LeastSquares::of(self.samples, Parity::Even, a, c, folded)
+    }
+
+    /// Order n where all is well with it. Where its last singular value may be rounding, poles had to be folded, or the fit be
+    /// lifted: that of the orders up to n which comes nearest to the samples, for such poles may be anywhere.
+    fn given(&self, n: usize) -> Result<SpectrumModel, SubspaceError> {
+        let values = &self.range.singular_values;
+        let largest = values.first().copied().unwrap_or(0.0);
+        let above = |k: usize, share: f64| values.get(2 * k - 1).is_some_and(|v| *v > share * largest);
+        if above(n, SURPLUS) {
+            let found = self.fitted(n).and_then(|fit| self.model(n, &fit, Vec::new()));
+            if self.settings.unpaired == Unpaired::Refuse
+                || found.as_ref().is_ok_and(|m| m.summand.folded == 0 && m.repair.is_none())
+            {
+                return found;
             }
-            let Some((_, n, fitted)) = best else {
-                return Err(fit(most).err().unwrap_or(SubspaceError::NoSplit { order: most, inside: 0 }));
-            };
-            (n, fitted)
         }
-    };
-    let angles = positivity::angles(samples, &fitted.best().a)?;
-    let mut last = None;
-    let mut found = None;
-    for floor in positivity::FLOORS_BEYOND {
-        let (summand, repair) = positivity::lifted(samples, &fitted, fitted.best(), floor)?;
-        match spectral_factor(&summand, settings.dt_s, &angles) {
-            Ok(factor) => {
-                found = Some((summand, repair, factor));
+        let (shown, rest): (Vec<usize>, Vec<usize>) = (1..=n).partition(|k| above(*k, ROUNDING));
+        self.nearest(&shown, n).or_else(|_| self.nearest(&rest, n))
+    }
+
+    /// The model of those orders that comes nearest to the samples, the lowest of those that meet them.
+    fn nearest(&self, orders: &[usize], asked: usize) -> Result<SpectrumModel, SubspaceError> {
+        let mut failure = None;
+        let mut tries: Vec<(f64, usize, LeastSquares)> = Vec::new();
+        for k in orders.iter().copied() {
+            match self.fitted(k) {
+                Ok(fit) => tries.push((fit.misfit(None).max(EXACT * fit.size()), k, fit)),
+                Err(e) => failure = Some(e),
+            }
+        }
+        tries.sort_by(|x, y| x.0.total_cmp(&y.0).then(x.1.cmp(&y.1)));
+        let mut best: Option<(f64, SpectrumModel)> = None;
+        for (misfit, k, fit) in tries {
+            // a repair only adds to it
+            if best.as_ref().is_some_and(|b| b.0 <= misfit) {
                 break;
             }
-            Err(e) => last = Some(e),
+            match self.model(k, &fit, Vec::new()) {
+                Ok(model) => {
+                    let misfit = model.repair.map_or(misfit, |r| r.misfit[1].max(misfit));
+                    if best.as_ref().is_none_or(|b| misfit < b.0) {
+                        best = Some((misfit, model));
+                    }
+                }
+                Err(e) => failure = Some(e),
+            }
+        }
+        match (best, failure) {
+            (Some((_, model)), _) => Ok(model),
+            (None, Some(e)) => Err(e),
+            (None, None) => Err(SubspaceError::NoSplit { order: asked, inside: 0 }),
         }
     }
-    let Some((summand, repair, factor)) = found else {
-        return Err(last.unwrap_or(SubspaceError::NoSplit { order, inside: 0 }));
-    };
-    let Range { singular_values, route, .. } = range;
-    Ok(SpectrumModel { order, summand, factor, singular_values, route, orders, repair })
+
+    /// The order with the smallest criterion.
+    fn at_most(&self, most: usize) -> Result<SpectrumModel, SubspaceError> {
+        let m = self.samples.size();
+        let observed = (self.samples.independent() * m * m) as f64;
+        let mut orders = Vec::new();
+        let mut best: Option<(f64, usize, LeastSquares)> = None;
+        for n in 1..=most {
+            let Ok(fitted) = self.fitted(n) else {
+                orders.push(OrderTried { order: n, misfit: None, bic: None });
+                continue;
+            };
+            let misfit = fitted.misfit(None);
+            let unknowns = (2 * n * m + m * (m + 1) / 2) as f64;
+            let bic = observed * ((misfit.max(EXACT * fitted.size())).powi(2) / observed).ln()
+                + unknowns * observed.ln();
+            orders.push(OrderTried { order: n, misfit: Some(misfit), bic: Some(bic) });
+            if best.as_ref().is_none_or(|b| bic < b.0) {
+                best = Some((bic, n, fitted));
+            }
+        }
+        let Some((_, n, fitted)) = best else {
+            return Err(self.fitted(most).err().unwrap_or(SubspaceError::NoSplit { order: most, inside: 0 }));
+        };
+        self.model(n, &fitted, orders)
+    }
+
+    /// The fit made positive, and its factor.
+    fn model(
+        &self,
+        order: usize,
+        fitted: &LeastSquares,
+        orders: Vec<OrderTried>,
+    ) -> Result<SpectrumModel, SubspaceError> {
+        let angles = positivity::angles(self.samples, &fitted.best().a)?;
+        let mut last = None;
+        for floor in positivity::FLOORS_BEYOND {
+            let (summand, repair) = positivity::lifted(self.samples, fitted, fitted.best(), floor)?;
+            match spectral_factor(&summand, self.settings.dt_s, &angles) {
+                Ok(factor) => {
+                    let Range { singular_values, route, .. } = self.range;
+                    let (singular_values, route) = (singular_values.clone(), *route);
+                    return Ok(SpectrumModel {
+                        order,
+                        summand,
+                        factor,
+                        singular_values,
+                        route,
+                        orders,
+                        repair,
+                    });
+                }
+                Err(e) => last = Some(e),
+            }
+        }
+        Err(last.unwrap_or(SubspaceError::NoSplit { order, inside: 0 }))
+    }
 }
 
 /// Enough samples for p block rows and order n, enough block rows for the order.

@@ -1,15 +1,9 @@
 //! The causal half of a Hermitian function on the circle: S(z) = H(z) + Hᵀ(1/z), H(z) = E/2 + C(zI − A)⁻¹F.
 
-use super::range::{Range, accumulated, half_of};
+use super::SubspaceError;
+use super::range::{accumulated, half_of};
 use super::samples::Samples;
-use super::{SubspaceError, Unpaired};
-use crate::linalg::{C64, CMat, LinalgError, Mat, RealSchur, eigen, least_distance, solve, solve_complex};
-
-/// Above this condition of the observability matrix without its last block row a pole is at 0 or near it, and the shift is
-/// taken in the bilinear plane.
-const POLE_AT_ZERO: f64 = 1e8;
-/// A pole that is folded onto the circle itself cannot be a stable one.
-const ON_CIRCLE: f64 = 1e-9;
+use crate::linalg::{C64, CMat, LinalgError, Mat, least_distance, solve_complex};
 
 /// A, C, F and E = Eᵀ.
 #[derive(Debug, Clone)]
@@ -55,128 +49,6 @@ fn chi(a: &Mat, c: &Mat, theta: f64) -> Result<CMat, LinalgError> {
     Ok(solve_complex(&pencil, &complex(&c.transpose().to_owned()))?.transpose().to_owned())
 }
 
-/// The poles and C of order n from a range, eq. (2.84)–(2.87).
-pub(super) fn poles(
-    range: &Range,
-    p: usize,
-    n: usize,
-    unpaired: Unpaired,
-) -> Result<(Mat, Mat, usize), SubspaceError> {
-    let m = range.size;
-    let observed = range.ku.subcols(0, 2 * n);
-    let (down, up) = (observed.subrows(0, (p - 1) * m), observed.subrows(m, (p - 1) * m));
-    // columns alike in size, so that the condition is that of the poles
-    let scale: Vec<f64> = (0..2 * n).map(|j| observed.subcols(j, 1).norm_l2()).collect();
-    let scaled = |x: faer::MatRef<'_, f64>| Mat::from_fn(x.nrows(), 2 * n, |i, j| x[(i, j)] / scale[j]);
-    let (down, up, first) = (scaled(down), scaled(up), scaled(observed.subrows(0, m)));
-    let values = down.singular_values().map_err(|_| svd(2 * n))?;
-    let shift = if values.last().is_some_and(|least| POLE_AT_ZERO * least > values[0]) {
-        Shift::plain(&down, &up)?
-    } else {
-        Shift::bilinear(&down, &up)?
-    };
-    let schur = RealSchur::new(&shift.matrix)?;
-    let (ordered, inside) = schur.reordered(|v| shift.size(v) < 1.0)?;
-    let (t, q) = (&ordered.t, &ordered.q);
-    if inside == n {
-        let block = t.submatrix(0, 0, n, n).to_owned();
-        return Ok((shift.to_disk(&block)?, &first * q.subcols(0, n), 0));
-    }
-    match unpaired {
-        Unpaired::Refuse => Err(SubspaceError::NoSplit { order: n, inside }),
-        Unpaired::Fold => folded(&shift, &first, n),
-    }
-}
-
-fn svd(order: usize) -> LinalgError {
-    LinalgError::NoConvergence { what: "the SVD", order }
-}
-
-/// The shift of the observability matrix: its eigenvalues are the poles and their inverses, or images of them.
-struct Shift {
-    matrix: Mat,
-    bilinear: bool,
-}
-
-impl Shift {
-    fn plain(down: &Mat, up: &Mat) -> Result<Self, LinalgError> {
-        Ok(Self { matrix: least_squares(down, up), bilinear: false })
-    }
-
-    /// (λ − 1)/(λ + 1) in place of λ: finite for poles at 0 and their inverses.
-    fn bilinear(down: &Mat, up: &Mat) -> Result<Self, LinalgError> {
-        Ok(Self { matrix: least_squares(&(up + down), &(up - down)), bilinear: true })
-    }
-
-    /// Something below 1 inside the circle, above 1 outside.
-    fn size(&self, value: C64) -> f64 {
-        if self.bilinear { 1.0 + value.re } else { value.norm() }
-    }
-
-    /// The block as a matrix with the poles themselves.
-    fn to_disk(&self, block: &Mat) -> Result<Mat, LinalgError> {
-        if !self.bilinear {
-            return Ok(block.clone());
-        }
-        let one = Mat::identity(block.nrows(), block.nrows());
-        solve(&(&one - block), &(&one + block))
-    }
-
-    fn pole(&self, value: C64) -> C64 {
-        let one = C64::new(1.0, 0.0);
-        if self.bilinear { (one + value) / (one - value) } else { value }
-    }
-}
-
-fn least_squares(a: &Mat, b: &Mat) -> Mat {
-    use faer::linalg::solvers::SolveLstsq;
-    a.qr().solve_lstsq(b)
-}
-
-/// The n eigenvalues that are smallest, those that are outside the circle mirrored, as real blocks.
-fn folded(shift: &Shift, first: &Mat, n: usize) -> Result<(Mat, Mat, usize), SubspaceError> {
-    let (values, vectors) = eigen(&shift.matrix)?;
-    let mut upper: Vec<usize> = (0..values.len()).filter(|k| values[*k].im >= 0.0).collect();
-    let pole = |k: usize| shift.pole(values[k]);
-    // |log|λ|| far from the circle are noise as well as near: those inside first, slowest decay last
-    upper.sort_by(|i, j| pole(*i).norm().total_cmp(&pole(*j).norm()));
-    let m = first.nrows();
-    let (mut a, mut c) = (Mat::zeros(n, n), Mat::zeros(m, n));
-    let (mut at, mut mirrored) = (0, 0);
-    for k in upper {
-        let real = values[k].im == 0.0;
-        if at + if real { 1 } else { 2 } > n {
-            continue;
-        }
-        let mut z = pole(k);
-        let length = z.norm();
-        if (length - 1.0).abs() < ON_CIRCLE {
-            continue;
-        }
-        if length > 1.0 {
-            z = C64::new(1.0, 0.0) / z.conj();
-            mirrored += 1;
-        }
-        let row = |i: usize| (0..vectors.nrows()).map(|j| vectors[(j, k)] * first[(i, j)]).sum::<C64>();
-        a[(at, at)] = z.re;
-        if real {
-            (0..m).for_each(|i| c[(i, at)] = row(i).re);
-            at += 1;
-            continue;
-        }
-        (a[(at, at + 1)], a[(at + 1, at)], a[(at + 1, at + 1)]) = (z.im, -z.im, z.re);
-        for i in 0..m {
-            let v = row(i);
-            (c[(i, at)], c[(i, at + 1)]) = (v.re, v.im);
-        }
-        at += 2;
-    }
-    if at < n {
-        return Err(SubspaceError::NoSplit { order: n, inside: at });
-    }
-    Ok((a, c, mirrored.max(1)))
-}
-
 /// Whether samples are those of H + H~ or of H − H~, which has no constant.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Parity {
@@ -207,6 +79,8 @@ pub(super) struct LeastSquares {
     best: Vec<f64>,
     /// Root of the sum of squares that it leaves.
     left: f64,
+    /// Root of the weighted sum of squares of the samples themselves.
+    size: f64,
 }
 
 impl LeastSquares {
@@ -225,15 +99,8 @@ impl LeastSquares {
         let unknowns = symmetric.len() + n * m;
         // columns of χ alike in size
         let scale: Vec<f64> = (0..n).map(|j| c.subcols(j, 1).norm_l2().max(f64::MIN_POSITIVE)).collect();
-        let mut failed = None;
         let fill = |k: usize, mut rows: faer::MatMut<'_, f64>| {
-            let chi = match chi(&a, &c, samples.theta_rad()[k]) {
-                Ok(chi) => chi,
-                Err(e) => {
-                    failed = Some(e);
-                    return;
-                }
-            };
+            let chi = chi(&a, &c, samples.theta_rad()[k])?;
             let whiten = inverse(&half_of(samples.weights(), k, m));
             let mut put = |column: usize, value: &dyn Fn(usize, usize) -> C64| {
                 for i in 0..m {
@@ -259,11 +126,9 @@ impl LeastSquares {
                 }
             }
             put(unknowns, &|i, j| samples.s()[k][(i, j)]);
+            Ok(())
         };
-        let r = accumulated(samples.count(), unknowns + 1, fill, 2 * m * m);
-        if let Some(e) = failed {
-            return Err(e.into());
-        }
+        let r = accumulated(samples.count(), unknowns + 1, fill, 2 * m * m)?;
         let triangle = r.submatrix(0, 0, unknowns, unknowns).to_owned();
         let largest = (0..unknowns).map(|i| triangle[(i, i)].abs()).fold(0.0, f64::max);
         let least = (0..unknowns).map(|i| triangle[(i, i)].abs()).fold(f64::INFINITY, f64::min);
@@ -276,7 +141,8 @@ impl LeastSquares {
         triangle.as_ref().solve_upper_triangular_in_place(x.as_mut());
         let best = (0..unknowns).map(|i| x[(i, 0)]).collect();
         let left = r[(unknowns, unknowns)].abs();
-        Ok(Self { parity, a, c, folded, symmetric, scale, triangle, best, left })
+        let size = r.subcols(unknowns, 1).norm_l2();
+        Ok(Self { parity, a, c, folded, symmetric, scale, triangle, best, left, size })
     }
 
     /// The free solution.
@@ -302,6 +168,11 @@ impl LeastSquares {
             (&self.triangle * step).norm_l2()
         });
         self.left.hypot(moved)
+    }
+
+    /// Root of the weighted sum of squares of the samples.
+    pub fn size(&self) -> f64 {
+        self.size
     }
 
     /// g with vᴴS(e^{iθ})v = gᵀx, of even samples.

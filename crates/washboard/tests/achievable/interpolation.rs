@@ -24,6 +24,9 @@ fn one(x: C64) -> CMat {
 }
 
 /// Values at `count` frequencies, at rest, and Markov parameters.
+///
+/// Not independent in all: the order and four coefficients (two Taylor's at rest, two Markov parameters) are those of the exact result;
+/// the values at the frequencies are from the design's equations.
 fn through(
     at: impl Fn(f64) -> C64,
     at_rest: &[Rational],

@@ -10,6 +10,8 @@ mod interpolation_example;
 mod interpolation_random;
 mod poles_and_residues;
 mod road_shapes;
+mod surplus_orders;
+#[path = "../../examples/common/spectra.rs"]
 mod systems;
 mod thesis_example;
 mod wrong_nodes;

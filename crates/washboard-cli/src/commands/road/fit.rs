@@ -55,6 +55,9 @@ pub struct Arguments {
     /// Length of the segments of a profile's spectrum; an eighth of the profile, 400 m at most, without it.
     #[arg(long, value_name = "L", allow_negative_numbers = true)]
     segment_m: Option<f64>,
+    /// Average a raw spectrum in bands, N an octave, before it is fitted
+    #[arg(long, value_name = "N", allow_negative_numbers = true)]
+    smooth: Option<f64>,
     /// The file is a profile without a header: distance in m, then heights in m.
     #[arg(long)]
     no_header: bool,
@@ -85,6 +88,7 @@ pub fn run(a: Arguments, output: Output) -> Result<ExitCode, Failure> {
         points: a.points,
         proper: a.proper,
         segment_m: a.segment_m,
+        smooth_per_octave: a.smooth,
         output: a.output,
         overwrite: a.overwrite,
     });

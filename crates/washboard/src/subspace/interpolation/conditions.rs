@@ -1,6 +1,7 @@
 //! Nodes as conditions on Taylor coefficients in the plane of work: left · G(w₀ + τ) · right = Σ g_l τ^l.
 
-use super::data::{Node, Point, Side, conjugate, largest};
+use super::agreement::conjugate;
+use super::data::{Node, Point, Side, largest};
 use super::plane::Mobius;
 use crate::linalg::{C64, CMat};
 

@@ -22,6 +22,10 @@ const MEETS: f64 = 1e-6;
 const MET: f64 = 1e-12;
 /// An order that leaves no more than this many times what the best one leaves is as good: the rest is noise.
 const NEAR: f64 = 1e3;
+/// Singular values below this share of the data's norm are rounding: the data are those of a constant.
+const CONSTANT: f64 = 1e-14;
+/// Block rows that are tried first.
+const FEW: usize = 64;
 /// Directions that are one but for this share.
 const PARALLEL: f64 = 1e-12;
 /// Orders that are tried beside the rank.
@@ -247,10 +251,19 @@ fn enough(
     let even = highest.div_ceil(2).max(1);
     let best = (1..=highest).fold(even, |best, q| if most(q) > most(best) { q } else { best });
     let mut shown = (0, 0);
-    for q in [even, best] {
+    // few at first: the work grows with q³, and the rank of exact data shows as soon as q is above the order
+    let mut rows: Vec<usize> =
+        std::iter::successors(Some(FEW), |q| Some(2 * q)).take_while(|q| *q < even).collect();
+    rows.extend([even, best]);
+    for q in rows {
         let range = Range::explained(all, (p, m), q)?;
+        let grows = q < even;
         let q = range.basis.len();
-        let rank = rank(&range.singular_values);
+        let constant = !range.singular_values.first().is_some_and(|s| *s > CONSTANT * range.size);
+        let rank = if constant { 0 } else { rank(&range.singular_values) };
+        if grows && 2 * rank.max(order.unwrap_or(0)) >= q {
+            continue;
+        }
         let sure = rank < q && total >= (q + rank) * m;
         let seen = rank < range.singular_values.len() && rank <= p * (q - 1);
         match order {

@@ -3,6 +3,7 @@
 //! Data are carried to a plane where no node is at infinity ([`plane`]), written as conditions on Taylor coefficients
 //! ([`conditions`]), freed of what any input could explain ([`projection`]), and read off as A, C, then B, D ([`realise`]).
 
+mod agreement;
 mod basis;
 mod conditions;
 mod data;

@@ -9,6 +9,8 @@ use crate::linalg::{C64, CMat, LinalgError, Mat, solve_complex};
 
 /// Nodes nearer to the circle than this, or bounds nearer to the least one, cannot be told from those on it.
 const TOUCHES: f64 = 1e-9;
+/// Bounds above this many times the least: of values over the bound eight digits are left.
+const LOOSE: f64 = 1e8;
 /// Where a further node may lie, as 1/z; and values that may be moved to 0.
 const PLACES: [f64; 7] = [0.0, 0.5, -0.5, 0.25, -0.25, 0.75, -0.75];
 
@@ -46,14 +48,24 @@ pub fn interpolate_bounded(data: &InterpolationData, bound: Option<f64>) -> Resu
     if !(gamma >= least * (1.0 - TOUCHES) && gamma.is_finite()) {
         return Err(SubspaceError::Bound { bound: gamma, least });
     }
+    if gamma > LOOSE * least && least > 0.0 {
+        let expected =
+            format!("at most {LOOSE:e} times the least, {least:e}: beyond it values are lost to rounding");
+        return Err(SubspaceError::Field { field: "bound", expected, found: format!("{gamma:?}") });
+    }
+    let first = nodes.first().map_or(0.0, |(_, w)| w.re);
+    // in units of the bound
+    let unit = if gamma > 0.0 { gamma } else { 1.0 };
+    nodes.iter_mut().for_each(|(_, w)| *w /= unit);
     let order = if gamma > least * (1.0 + TOUCHES) {
-        nodes.push(edge(&nodes, gamma)?);
+        nodes.push(edge(&nodes)?);
         nodes.len() - 1
     } else {
-        rank_of_pick(&nodes, gamma)?
+        rank_of_pick(&nodes)?
     };
-    if gamma == 0.0 {
-        let (none, d) = (Mat::zeros(0, 0), Mat::zeros(1, 1));
+    // all values are one, and its modulus the least bound
+    if order == 0 || gamma == 0.0 {
+        let (none, d) = (Mat::zeros(0, 0), Mat::from_fn(1, 1, |_, _| first));
         let interpolant = Interpolant::new(
             data,
             Mobius::ONE,
@@ -62,7 +74,7 @@ pub fn interpolate_bounded(data: &InterpolationData, bound: Option<f64>) -> Resu
         )?;
         return Ok(Bounded { interpolant, bound: gamma, least });
     }
-    let moved = |a: f64, w: C64| (w / gamma - a) / (C64::new(1.0, 0.0) - w / gamma * a);
+    let moved = |a: f64, w: C64| (w - a) / (C64::new(1.0, 0.0) - w * a);
     let nearest = |a: f64| nodes.iter().map(|(_, w)| moved(a, *w).norm()).fold(f64::INFINITY, f64::min);
     let a = PLACES.into_iter().fold(0.0, |best, a| if nearest(a) > nearest(best) { a } else { best });
     let one = |w: C64| vec![CMat::from_fn(1, 1, |_, _| w)];
@@ -132,12 +144,12 @@ fn plain(node: &Node) -> Node {
     Node { z: Point::Finite(C64::new(2.0, 1.0)), ..node.clone() }
 }
 
-/// (γ² − w_i w̄_j)/(1 − x_i x̄_j).
-fn pick(nodes: &[(C64, C64)], gamma: f64) -> CMat {
+/// (1 − w_i w̄_j)/(1 − x_i x̄_j), values over γ.
+fn pick(nodes: &[(C64, C64)]) -> CMat {
     let one = C64::new(1.0, 0.0);
     CMat::from_fn(nodes.len(), nodes.len(), |i, j| {
         let ((x, w), (y, v)) = (nodes[i], nodes[j]);
-        (one * (gamma * gamma) - w * v.conj()) / (one - x * y.conj())
+        (one - w * v.conj()) / (one - x * y.conj())
     })
 }
 
@@ -150,7 +162,7 @@ fn eigenvalues(m: &CMat) -> Result<Vec<f64>, LinalgError> {
 /// √ of the largest eigenvalue of w_i w̄_j/(1 − x_i x̄_j) against 1/(1 − x_i x̄_j).
 fn least_bound(nodes: &[(C64, C64)]) -> Result<f64, SubspaceError> {
     let ones: Vec<(C64, C64)> = nodes.iter().map(|(x, _)| (*x, C64::new(0.0, 0.0))).collect();
-    let kernel = pick(&ones, 1.0);
+    let kernel = pick(&ones);
     let singular = |_| LinalgError::Singular {
         what: "the Pick matrix of ones",
         why: "nodes that can't be told apart",
@@ -166,28 +178,28 @@ fn least_bound(nodes: &[(C64, C64)]) -> Result<f64, SubspaceError> {
     Ok(values.first().copied().unwrap_or(0.0))
 }
 
-/// N less the eigenvalues that are 0.
-fn rank_of_pick(nodes: &[(C64, C64)], gamma: f64) -> Result<usize, SubspaceError> {
-    let values = eigenvalues(&pick(nodes, gamma))?;
-    let largest = values.iter().fold(0.0, |l: f64, v| l.max(v.abs()));
+/// N less the eigenvalues that are 0, beside those of 1/(1 − x_i x̄_j).
+fn rank_of_pick(nodes: &[(C64, C64)]) -> Result<usize, SubspaceError> {
+    let values = eigenvalues(&pick(nodes))?;
+    let largest = nodes.iter().map(|(x, _)| 1.0 / (1.0 - x.norm_sqr())).fold(0.0, f64::max);
     Ok(values.iter().filter(|v| v.abs() > TOUCHES * largest).count().min(nodes.len().saturating_sub(1)))
 }
 
 /// A further real node with a value that makes the Pick matrix singular.
-fn edge(nodes: &[(C64, C64)], gamma: f64) -> Result<(C64, C64), SubspaceError> {
+fn edge(nodes: &[(C64, C64)]) -> Result<(C64, C64), SubspaceError> {
     let far = |t: f64| nodes.iter().map(|(x, _)| (x - t).norm()).fold(f64::INFINITY, f64::min);
     let t = PLACES.into_iter().fold(0.0, |best, t| if far(t) > far(best) { t } else { best });
     let n = nodes.len();
     // b = b₀ + v b₁ of the value v
     let sides = CMat::from_fn(n, 2, |i, k| {
         let (x, w) = nodes[i];
-        (if k == 0 { C64::new(gamma * gamma, 0.0) } else { -w }) / (C64::new(1.0, 0.0) - x * t)
+        (if k == 0 { C64::new(1.0, 0.0) } else { -w }) / (C64::new(1.0, 0.0) - x * t)
     });
-    let solved = solve_complex(&pick(nodes, gamma), &sides)?;
+    let solved = solve_complex(&pick(nodes), &sides)?;
     let q = |i: usize, j: usize| (0..n).map(|k| (sides[(k, i)].conj() * solved[(k, j)]).re).sum::<f64>();
     let corner = 1.0 / (1.0 - t * t);
-    // (γ² − v²) corner = q₀₀ + 2 v q₀₁ + v² q₁₁
-    let (a, b, c) = (corner + q(1, 1), q(0, 1), q(0, 0) - gamma * gamma * corner);
+    // (1 − v²) corner = q₀₀ + 2 v q₀₁ + v² q₁₁
+    let (a, b, c) = (corner + q(1, 1), q(0, 1), q(0, 0) - corner);
     let root = (b * b - a * c).max(0.0).sqrt();
     let v = if b > 0.0 { -c / (b + root) } else { (root - b) / a };
     Ok((C64::new(t, 0.0), C64::new(v, 0.0)))

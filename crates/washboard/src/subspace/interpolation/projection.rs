@@ -13,6 +13,8 @@ pub(super) struct Range {
     /// Left singular vectors of R₂₂, pq rows.
     pub u: Mat,
     pub singular_values: Vec<f64>,
+    /// Norm of the data: what singular values are rounding of.
+    pub size: f64,
     pub basis: Basis,
     /// Least over largest pivot of what inputs could explain: F has full rank where it is not 0.
     pivots: f64,
@@ -59,6 +61,7 @@ impl Range {
         }
         let r = stacked.qr().thin_R().to_owned(); // eq. (3.46), transposed
         let left = r.nrows().saturating_sub(q * m);
+        let size = r.subcols(q * m, p * q).norm_l2();
         let r22 = Mat::from_fn(p * q, left, |i, j| if j <= i { r[(q * m + j, q * m + i)] } else { 0.0 });
         let failed = |_| LinalgError::NoConvergence { what: "the SVD", order: p * q };
         let svd = r22.thin_svd().map_err(failed)?; // eq. (3.49)
@@ -67,7 +70,7 @@ impl Range {
         let explained = (q * m).min(r.nrows());
         let (low, high) =
             (0..explained).map(pivot).fold((f64::INFINITY, 0.0f64), |(l, h), x| (l.min(x), h.max(x)));
-        Ok(Self { u: svd.U().to_owned(), singular_values, basis, pivots: low / high })
+        Ok(Self { u: svd.U().to_owned(), singular_values, size, basis, pivots: low / high })
     }
 
     /// In orthogonal polynomials, q lowered until F has full rank: directions may have few nodes each.

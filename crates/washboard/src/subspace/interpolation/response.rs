@@ -106,7 +106,10 @@ fn numbered(e: SubspaceError, to: usize) -> SubspaceError {
             SubspaceError::NodeShape { index: to, derivative, expected, found }
         }
         SubspaceError::NodeInside { re, im, inside, region, .. } => {
-            SubspaceError::NodeInside { index: to, re, im, inside, region }
+            let why = format!(
+                "{re} + {im}i is {inside:e} inside {region}, expected a point on its edge (to 1e-12: give all digits) or outside"
+            );
+            SubspaceError::Sample { what: "measured value", index: to, why }
         }
         SubspaceError::Sample { why, .. } => SubspaceError::Sample { what: "measured value", index: to, why },
         other => other,

@@ -1,5 +1,7 @@
 //! Systems to sample.
 
+#![allow(dead_code, clippy::unwrap_used)]
+
 use rand::Rng;
 use rand_chacha::ChaCha8Rng;
 use washboard::linalg::{C64, CMat, Mat};
