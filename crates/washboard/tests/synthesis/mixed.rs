@@ -106,6 +106,24 @@ fn the_quarter_cars_guaranteed_cost_is_the_notes() {
     }
 }
 
+/// Where γ² is minimised too, the program is not linear in the scale, and the scale is searched: no number does better.
+#[test]
+fn the_scale_that_is_searched_is_the_best() {
+    let car = quarter_car(50.0, &[0]);
+    let mut asked = goals(&car, 0.1, 1.0, LyapunovScale::Searched);
+    asked.hinf[0].weight = asked.hinf[0].bound.take().unwrap().powi(-2);
+    let found = feedback(std::slice::from_ref(&car), &asked);
+    let mut at = |s: f64| {
+        asked.scale = LyapunovScale::Fixed(s);
+        feedback(std::slice::from_ref(&car), &asked).claims.objective
+    };
+    let scanned: Vec<f64> = [0.1, 0.2, 0.35, 0.5, 0.6, 0.7, 0.85, 1.0, 1.5, 3.0].map(&mut at).to_vec();
+    println!("{:.5} at s = {:.3}; {scanned:.5?}", found.claims.objective, found.claims.scales[0]);
+    let best = scanned.iter().copied().fold(f64::INFINITY, f64::min);
+    assert!(found.claims.objective <= best * (1.0 + 1e-5), "{} {best}", found.claims.objective);
+    assert!(found.claims.objective < 0.99 * scanned[7], "s = 1 is as good");
+}
+
 /// Output feedback approaches state feedback, by one measurement or two; D₂₂ is there.
 #[test]
 fn the_quarter_cars_output_feedback_comes_near_its_state_feedback() {
