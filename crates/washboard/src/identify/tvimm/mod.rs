@@ -21,6 +21,7 @@ use crate::lti::FirstOrder;
 use crate::signal::CrossSpectra;
 use crate::units::Convention;
 use model::{FreeModel, Point, RATE};
+use rayon::prelude::*;
 use search::Found;
 
 /// Starts whose costs differ by more have led to different answers.
@@ -103,22 +104,31 @@ pub fn fit_free_modes(
         derivatives: drive.derivatives.to_vec(),
         planes: drive.planes.to_vec(),
     };
-    let mut trials: Vec<(FreeTrial, Found)> = Vec::new();
-    for start in starts {
+    let search = |start: &FreeStart| {
         let annealing: &[f64] = if start.far { &ANNEALING_FAR } else { &ANNEALING_NONE };
-        let Some(found) = search::search(&model, &point(&model, start), annealing, true) else { continue };
-        trials.push((trial(&model, start.name.clone(), &found), found));
-        trials.sort_by(|a, b| a.0.cost.total_cmp(&b.0.cost));
+        let found = search::search_patiently(&model, &point(&model, start), annealing)?;
+        Some((trial(&model, start.name.clone(), &found), found))
+    };
+    let bases: Vec<Point> = starts.iter().filter(|s| s.base).take(2).map(|s| point(&model, s)).collect();
+    // two searches at least are needed, and one with a mode more: alone they do not keep two cores busy
+    let (pair, others) = starts.split_at(starts.len().min(2));
+    let (mut trials, ahead) = rayon::join(
+        || pair.par_iter().filter_map(search).collect::<Vec<(FreeTrial, Found)>>(),
+        || order::ahead(&model, &bases, drive.band_hz),
+    );
+    trials.sort_by(|a, b| a.0.cost.total_cmp(&b.0.cost));
+    for start in others {
         if confirmed(&trials) {
             break;
         }
+        trials.extend(search(start));
+        trials.sort_by(|a, b| a.0.cost.total_cmp(&b.0.cost));
     }
     let tried: Vec<FreeTrial> = trials.iter().map(|(t, _)| t.clone()).collect();
     let Some((_, best)) = trials.into_iter().next() else {
         return Err(FitError::Start("no start has a likelihood: are the wheels' places right?".into()));
     };
-    let bases: Vec<Point> = starts.iter().filter(|s| s.base).take(2).map(|s| point(&model, s)).collect();
-    let chosen = order::choose(&model, best, &bases, drive.band_hz);
+    let chosen = order::choose(&model, best, &bases, ahead, drive.band_hz);
     outcome::outcome(&model, drive, &chosen, tried).map_err(FitError::Start)
 }
 

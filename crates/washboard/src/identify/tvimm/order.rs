@@ -22,25 +22,51 @@ pub(super) struct Chosen {
     pub confirmed: Option<bool>,
 }
 
+/// The first search with a mode more, from the first of the untouched starts: [`choose`] always makes it, whatever the
+/// answer without that mode is.
+pub(super) struct Ahead {
+    from: Point,
+    found: Option<Found>,
+}
+
+/// See [`Ahead`]; None where there is no room for a mode more.
+pub(super) fn ahead(model: &FreeModel, bases: &[Point], band_hz: [f64; 2]) -> Option<Ahead> {
+    let from = one_more(model, &search::look(model, bases.first()?)?, band_hz)?;
+    let found = search::search(model, &from, &ANNEALING);
+    Some(Ahead { from, found })
+}
+
 /// Tries a mode more, always once, and goes on while Bayes' criterion falls.
 ///
 /// A mode more starts where the residual asks for it most, at the untouched starts before the best answer: an answer with
 /// a mode too few bends the others to stand in for it, and its residual says little.
-pub(super) fn choose(model: &FreeModel, first: Found, bases: &[Point], band_hz: [f64; 2]) -> Chosen {
+pub(super) fn choose(
+    model: &FreeModel,
+    first: Found,
+    bases: &[Point],
+    mut ahead: Option<Ahead>,
+    band_hz: [f64; 2],
+) -> Chosen {
     let mut orders = vec![order(model, &first)];
     let mut best = first;
     let mut confirmed = None;
     for extra in 0..MOST_EXTRA {
         let now = order(model, &best);
         let sound = now.chi <= CHI_LIMIT && now.converged && real_poles(&best) == 0;
-        let from_bases = bases.iter().filter(|_| extra == 0).filter_map(|base| search::look(model, base));
-        let points: Vec<Point> = from_bases
+        // the first of the untouched starts was searched ahead
+        let from_bases =
+            bases.iter().skip(1).filter(|_| extra == 0).filter_map(|base| search::look(model, base));
+        let points = from_bases
             .filter_map(|here| one_more(model, &here, band_hz))
             .chain(one_more(model, &best, band_hz))
-            .collect();
+            .map(|from| Ahead { found: search::search(model, &from, &ANNEALING), from });
         let mut tried: Vec<Found> = Vec::new();
-        for point in &points {
-            let Some(found) = search::search(model, point, &ANNEALING, !sound) else { continue };
+        for Ahead { from, found } in ahead.take().into_iter().chain(points) {
+            let found = match found {
+                Some(found) if !sound => search::search_on(model, &from, found),
+                found => found,
+            };
+            let Some(found) = found else { continue };
             let better = order(model, &found).bic < now.bic;
             tried.push(found);
             tried.sort_by(|a, b| a.score.cost.total_cmp(&b.score.cost));
@@ -92,7 +118,7 @@ fn agree(tried: &[Found]) -> bool {
 /// The best answer with two states less, from its balanced truncation.
 fn without_a_mode(model: &FreeModel, best: &Found) -> Option<Found> {
     let (system, _) = best.at.system.balanced(best.at.system.order() - 2).ok()?;
-    search::search(model, &Point { system, ..best.at.clone() }, &ANNEALING, true)
+    search::search_patiently(model, &Point { system, ..best.at.clone() }, &ANNEALING)
 }
 
 fn real_poles(found: &Found) -> usize {

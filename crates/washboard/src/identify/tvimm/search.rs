@@ -50,9 +50,8 @@ pub(super) struct Found {
     pub evaluations: usize,
 }
 
-/// Minimises from a start while noise is raised by `annealing`'s factors, one after another (the last is 1). `patient`: with
-/// more steps where the model explains the data but the search has not converged.
-pub(super) fn search(model: &FreeModel, start: &Point, annealing: &[f64], patient: bool) -> Option<Found> {
+/// Minimises from a start while noise is raised by `annealing`'s factors, one after another (the last is 1).
+pub(super) fn search(model: &FreeModel, start: &Point, annealing: &[f64]) -> Option<Found> {
     let mut at = start.clone();
     let (mut steps, mut evaluations, mut last) = (0, 0, None);
     for (index, kappa) in annealing.iter().enumerate() {
@@ -69,30 +68,47 @@ pub(super) fn search(model: &FreeModel, start: &Point, annealing: &[f64], patien
         } else {
             Stop { max_steps: MAX_STEPS[1], gain: limits::GAIN, decrement: limits::DECREMENT }
         };
-        let mut end: End<Stage<'_>> = descend(&stage, at.clone(), stop)?;
+        let end: End<Stage<'_>> = descend(&stage, at, stop)?;
         steps += end.steps;
         evaluations += end.evaluations;
-        if !rough && patient && !end.converged && promising(model, &end) {
-            end = descend(&stage, end.at, Stop { max_steps: MORE_STEPS, ..stop })?;
-            steps += end.steps;
-            evaluations += end.evaluations;
-        }
         at = end.at.clone();
-        last = Some(Found {
-            at: end.at,
-            score: end.score,
-            frame: end.frame,
-            decrement: end.decrement,
-            converged: end.converged,
-            steps,
-            evaluations,
-        });
+        last = Some(ended(end, steps, evaluations));
     }
     last
 }
 
-fn promising(model: &FreeModel, end: &End<Stage<'_>>) -> bool {
-    Whitening::new(&end.frame.evaluation.s)
+/// Goes on from where [`search`] ended, with more steps, where the model explains the data by then but the search has not
+/// converged.
+pub(super) fn search_on(model: &FreeModel, start: &Point, found: Found) -> Option<Found> {
+    if found.converged || !promising(model, &found) {
+        return Some(found);
+    }
+    let stage = Stage { model, measured: raised(model, 0.0), limits: limits(model, &start.road, false) };
+    let stop = Stop { max_steps: MORE_STEPS, gain: limits::GAIN, decrement: limits::DECREMENT };
+    let end = descend(&stage, found.at, stop)?;
+    let (steps, evaluations) = (found.steps + end.steps, found.evaluations + end.evaluations);
+    Some(ended(end, steps, evaluations))
+}
+
+/// [`search`], and [`search_on`] after it.
+pub(super) fn search_patiently(model: &FreeModel, start: &Point, annealing: &[f64]) -> Option<Found> {
+    search_on(model, start, search(model, start, annealing)?)
+}
+
+fn ended(end: End<Stage<'_>>, steps: usize, evaluations: usize) -> Found {
+    Found {
+        at: end.at,
+        score: end.score,
+        frame: end.frame,
+        decrement: end.decrement,
+        converged: end.converged,
+        steps,
+        evaluations,
+    }
+}
+
+fn promising(model: &FreeModel, found: &Found) -> bool {
+    Whitening::new(&found.frame.evaluation.s)
         .is_some_and(|w| mean(&w.residuals(&model.data.measured, model.data.averages)) < PROMISING)
 }
 

@@ -283,7 +283,7 @@ fn without_the_windows_kernel_nothing_is_explained() {
     };
     model.data.measured = model.spectra(&at).unwrap();
     let chi = |model: &FreeModel| {
-        let found = search::search(model, &at, &[1.0], false).unwrap();
+        let found = search::search(model, &at, &[1.0]).unwrap();
         mean(&Whitening::new(&found.frame.evaluation.s).unwrap().residuals(&model.data.measured, 240.0))
     };
     assert!(chi(&model) < 1e-6, "{}", chi(&model));
