@@ -6,6 +6,7 @@ mod half_car;
 mod low_noise;
 mod mathworks;
 mod mixed;
+mod mixed_cars;
 mod other_vehicles;
 mod plants;
 mod quarter_car;

@@ -2,6 +2,7 @@
 
 mod embedding;
 mod error;
+mod judge;
 mod outcome;
 mod problem;
 mod scalar;

@@ -1,9 +1,10 @@
 //! The search: predictor and corrector on the homogeneous embedding, in double, then in double-double where that stalls.
 
-use super::embedding::{Direction, Iterate, Newton, Residuals};
+use super::embedding::{Direction, Iterate, Newton};
+use super::judge::{FLOOR, Norms, inside, judge};
 use super::outcome::{Measures, SdpOutcome, Status};
 use super::problem::Sdp;
-use super::scalar::{MatOf, Real, cast, dot, inner, norm, rounded};
+use super::scalar::{Real, cast, dot, rounded};
 use super::scales::Scales;
 use super::scaling::Scaled;
 use super::schur::Operators;
@@ -36,6 +37,11 @@ const SHORT: f64 = 1e-3;
 const MOST_SHORT: usize = 3;
 /// Iterates with a larger relative gap are not looked at as interior points.
 const NEAR_INSIDE: f64 = 0.1;
+/// Where a point well inside is asked for, the least value need be known to this gap only: it is often not attained, and
+/// the way to it endless.
+const KNOWN: f64 = 5e-5;
+/// What that value's own x may lack of the tolerance: the point inside is the answer, not that one.
+const LOOSE: f64 = 100.0;
 /// A search that stalls at so many times the tolerance has found its optimum.
 const NEARLY: f64 = 10.0;
 /// Iterations without a better iterate before a search counts as stalled: in double, where double-double comes next, and
@@ -55,8 +61,13 @@ impl Sdp {
         let mut end = run(&ops, &mut iterate, settings, PATIENCE[0]);
         end.accept(settings);
         let mut best = iterate.rounded();
+        let inside = settings.interior_gap.is_some_and(|share| {
+            let least = dot(&ops.objective, &best.x).abs() / best.tau;
+            !end.interior.is_empty() && end.measures.gap * (FLOOR + least) <= share * least
+        });
         if end.status == Status::Stalled
             && settings.double_double
+            && !inside
             && let Some(mut iterate) = iterate.exact()
         {
             let more = run(&Operators::new(&program), &mut iterate, settings, PATIENCE[1]);
@@ -92,12 +103,6 @@ impl Ended {
     }
 }
 
-/// Norms of the data, for relative measures.
-struct Norms {
-    objective: f64,
-    constants: f64,
-}
-
 /// Iterates from `iterate`, and leaves the best there.
 fn run<T: Real>(
     ops: &Operators<T>,
@@ -105,8 +110,7 @@ fn run<T: Real>(
     settings: &SdpSettings,
     patience: usize,
 ) -> Ended {
-    let square: f64 = ops.blocks.iter().map(|b| inner(&b.constant, &b.constant).double()).sum();
-    let norms = Norms { objective: norm(&ops.objective), constants: square.sqrt() };
+    let norms = Norms::of(ops);
     let mut at = iterate.clone();
     let mut best = f64::INFINITY;
     let mut best_measures = Measures { primal: f64::INFINITY, dual: f64::INFINITY, gap: f64::INFINITY };
@@ -124,7 +128,16 @@ fn run<T: Real>(
         if settings.interior_gap.is_some() && measures.gap <= NEAR_INSIDE {
             interior.extend(inside(ops, &at));
         }
-        if measures.worst() <= settings.tolerance {
+        let objective = dot(&ops.objective, &at.x).double() / at.tau.double();
+        if measures.worst() <= settings.tolerance
+            || settings.interior_gap.is_some_and(|share| {
+                // the least value is known to a share of what is given up
+                !interior.is_empty()
+                    && measures.primal <= LOOSE * settings.tolerance
+                    && measures.dual <= settings.tolerance
+                    && measures.gap * (FLOOR + objective.abs()) <= KNOWN.min(share) * objective.abs()
+            })
+        {
             break Status::Optimal;
         }
         if let Some((status, violation)) = proof
@@ -166,17 +179,6 @@ fn run<T: Real>(
         at = next.normalised();
     };
     Ended { status, measures: best_measures, iterations: [count, 0], interior }
-}
-
-/// x/τ where F(x/τ) is positive definite.
-fn inside<T: Real>(ops: &Operators<T>, at: &Iterate<T>) -> Option<Vec<f64>> {
-    let x: Vec<T> = at.x.iter().map(|x| *x / at.tau).collect();
-    let positive = ops.blocks.iter().all(|op| {
-        let f = op.apply(&x);
-        let sum = MatOf::from_fn(f.nrows(), f.ncols(), |i, j| f[(i, j)] + op.constant[(i, j)]);
-        T::cholesky(&sum).is_some()
-    });
-    positive.then(|| x.iter().map(|x| x.double()).collect())
 }
 
 fn step<T: Real>(at: &Iterate<T>, d: &Direction<T>, alpha: f64) -> Option<Iterate<T>> {
@@ -233,61 +235,4 @@ pub(super) struct Rounded {
     pub x: Vec<f64>,
     pub multiplier: Vec<Mat>,
     pub tau: f64,
-}
-
-/// How well an iterate solves the program, and how well it proves that there is no solution.
-fn judge<T: Real>(
-    ops: &Operators<T>,
-    at: &Iterate<T>,
-    r: &Residuals<T>,
-    norms: &Norms,
-) -> (Measures, Option<(Status, f64)>) {
-    let tau = at.tau.double();
-    let frobenius = |blocks: &[MatOf<T>]| blocks.iter().map(|p| inner(p, p).double()).sum::<f64>().sqrt();
-    let objective = dot(&ops.objective, &at.x).double();
-    let mut bound = T::of(0.0);
-    ops.blocks.iter().zip(&at.blocks).for_each(|(op, b)| bound += inner(&op.constant, &b.multiplier));
-    let bound = bound.double();
-    let mut complementarity = T::of(0.0);
-    at.blocks.iter().for_each(|b| complementarity += dot(&b.lambda, &b.lambda));
-    // cᵀx + F₀•Z without the cancellation of the two
-    let gap = (r.gap - at.kappa).double();
-    // what is reported is rounded to double precision: an x so large that this shows is no answer
-    let off: Vec<T> = at.x.iter().map(|x| T::of((*x / at.tau).double()) - *x / at.tau).collect();
-    let rounding = if off.iter().any(|v| v.double() != 0.0) {
-        let moved: Vec<MatOf<T>> = ops.blocks.iter().map(|op| op.apply(&off)).collect();
-        frobenius(&moved)
-    } else {
-        0.0
-    };
-    let measures = Measures {
-        primal: (frobenius(&r.primal) / tau + rounding) / (1.0 + norms.constants),
-        dual: norm(&r.dual) / tau / (1.0 + norms.objective),
-        // where x or Z is large their equations' residuals hide a gap: complementarity shows it
-        gap: gap.abs().max(complementarity.double() / tau) / (tau + objective.abs()),
-    };
-    let mut proof = None;
-    if bound < 0.0 {
-        let a: Vec<T> = r.dual.iter().zip(&ops.objective).map(|(r, c)| *c * at.tau - *r).collect();
-        proof = Some((Status::Infeasible, norm(&a) / -bound));
-    }
-    if objective < 0.0 {
-        let lack: f64 = r
-            .primal
-            .iter()
-            .zip(&ops.blocks)
-            .map(|(p, op)| {
-                // S − A(x)
-                let with =
-                    MatOf::from_fn(p.nrows(), p.ncols(), |i, j| p[(i, j)] + op.constant[(i, j)] * at.tau);
-                inner(&with, &with).double()
-            })
-            .sum::<f64>()
-            .sqrt();
-        let violation = lack / -objective;
-        if proof.is_none_or(|(_, v)| violation < v) {
-            proof = Some((Status::Unbounded, violation));
-        }
-    }
-    (measures, proof)
 }

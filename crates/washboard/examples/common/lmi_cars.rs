@@ -1,0 +1,157 @@
+//! The half car of §6.2 and the full car of §7.2 of the thesis, as plants with the goals of its matrix inequalities.
+
+use std::error::Error;
+use washboard::cases::{self, CaseKind};
+use washboard::lti::{Continuous, GeneralizedPlant, LtiError, StateSpace};
+use washboard::road::Coherence;
+use washboard::synthesis::{H2Goal, HinfGoal, LyapunovScale, MixedGoals, PoleRegion};
+use washboard::vehicle::{Disturbance, Output, PlantSettings, Vehicle, VehicleSpec};
+
+/// γ of the full car's poles, rad/s: −γ < Re s < 0, |Im s| < γ.
+const FASTEST: f64 = 200.0;
+const SPEED_M_S: f64 = 20.0;
+
+/// A half car: `variant` and the share of its pitch inertia.
+pub struct HalfCar {
+    pub variant: &'static str,
+    pub inertia: f64,
+}
+
+/// The plant of named outputs and measurements on a road of its own under each wheel.
+fn plant(
+    car: &Vehicle,
+    names: [&[&str]; 2],
+    road: &str,
+    disturbance: Disturbance,
+) -> Result<GeneralizedPlant, Box<dyn Error>> {
+    let road = cases::road(road)?.with_coherence(Coherence::Independent);
+    // a name stands for itself, or for all outputs of that base
+    let of = |names: &[&str]| -> Vec<&Output> {
+        names
+            .iter()
+            .flat_map(|name| car.outputs().iter().filter(move |o| o.base == *name || o.name == *name))
+            .collect()
+    };
+    let settings = PlantSettings { road: (&road).into(), speed_m_s: SPEED_M_S, disturbance, delay_order: 2 };
+    Ok(car.plant(&of(names[0]), &of(names[1]), &settings)?)
+}
+
+impl HalfCar {
+    /// z: travels, tire deflections, heave and pitch acceleration, forces; y: travels. c_t front and rear, N·s/m.
+    pub fn plant(&self, ct: [f64; 2], disturbance: Disturbance) -> Result<GeneralizedPlant, Box<dyn Error>> {
+        let case = cases::find("turkay-half-car", CaseKind::Vehicle)?;
+        let text = case
+            .toml
+            .replace("variant = \"corrected\"", &format!("variant = \"{}\"", self.variant))
+            .replace("2700.0", &format!("{:.1}", 2700.0 * self.inertia));
+        let spec: VehicleSpec = toml::from_str(&text)?;
+        let damped =
+            [("front.tire_damping_n_s_per_m".into(), ct[0]), ("rear.tire_damping_n_s_per_m".into(), ct[1])];
+        let car = spec.with_overrides(&damped)?.build_alone()?;
+        let z = [
+            "suspension_travel",
+            "tire_deflection",
+            "heave_acceleration",
+            "pitch_acceleration",
+            "actuator_force",
+        ];
+        plant(&car, [&z, &["suspension_travel"]], "turkay-white-velocity-rounded", disturbance)
+    }
+
+    /// Λ and γ of §6.2.2: accelerations and travels against the passive car's, ‖tire deflections‖∞ below ρ₂ times its.
+    pub fn goals(
+        plant: &GeneralizedPlant,
+        [rho1, rho2]: [f64; 2],
+        scale: LyapunovScale,
+    ) -> Result<MixedGoals, LtiError> {
+        let passive = plant.passive();
+        let norms = norms(&passive)?;
+        let weights = [(0, rho1), (1, rho1), (4, 1.0), (5, 1.0)];
+        let outputs = weights.map(|(row, w)| (row, w / norms[row])).to_vec();
+        let tires = HinfGoal {
+            outputs: vec![(2, 1.0), (3, 1.0)],
+            disturbances: vec![],
+            weight: 0.0,
+            bound: Some(rho2 * gain(&passive, &[2, 3])?),
+        };
+        Ok(MixedGoals {
+            h2: Some(H2Goal { outputs, weight: 1.0, ..H2Goal::default() }),
+            hinf: vec![tires],
+            region: PoleRegion::default(),
+            scale,
+            back_off: 1e-3,
+        })
+    }
+}
+
+/// z: accelerations at the driver (3), travels (4), tire deflections (4), forces (4); y: travels, velocities of body and wheels.
+/// Driven by the noises of (7.2).
+pub fn full_car() -> Result<GeneralizedPlant, Box<dyn Error>> {
+    let case = cases::find("chalasani-full-car", CaseKind::Vehicle)?;
+    let spec: VehicleSpec = toml::from_str(&case.toml)?;
+    let car = spec.build_alone()?;
+    let comfort = ["driver_heave_acceleration", "pitch_acceleration", "roll_acceleration"];
+    let z: Vec<&str> =
+        comfort.into_iter().chain(["suspension_travel", "tire_deflection", "actuator_force"]).collect();
+    let y = ["suspension_travel", "heave_velocity", "pitch_velocity", "roll_velocity", "unsprung_velocity"];
+    plant(&car, [&z, &y], "turkay-first-order", Disturbance::RoadNoise)
+}
+
+/// Rows of the full car's outputs.
+pub const COMFORT: [usize; 3] = [0, 1, 2];
+pub const TRAVEL: [usize; 4] = [3, 4, 5, 6];
+pub const TIRE: [usize; 4] = [7, 8, 9, 10];
+
+/// Λ∞ and Λ₂ of §7.2, poles in its rectangle and left of −`decay`.
+pub fn full_car_goals(
+    plant: &GeneralizedPlant,
+    lambda: f64,
+    mu: f64,
+    decay: f64,
+) -> Result<MixedGoals, LtiError> {
+    let passive = plant.passive();
+    let rest = (1.0 - lambda).sqrt();
+    let of = |rows: &[usize], weight: f64| -> Result<Vec<(usize, f64)>, LtiError> {
+        let weight = weight / h2(&passive, rows)?;
+        Ok(rows.iter().map(|row| (*row, weight)).filter(|(_, w)| *w > 0.0).collect())
+    };
+    let outputs = [of(&COMFORT, mu * rest)?, of(&TRAVEL, (1.0 - mu) * rest)?].concat();
+    let weight = lambda.sqrt() / gain(&passive, &TIRE)?;
+    let tires = HinfGoal {
+        outputs: TIRE.map(|row| (row, weight)).to_vec(),
+        disturbances: vec![],
+        weight: 1.0,
+        bound: None,
+    };
+    Ok(MixedGoals {
+        h2: Some(H2Goal { outputs, weight: 1.0, ..H2Goal::default() }),
+        hinf: vec![tires],
+        region: PoleRegion {
+            faster_than: Some(decay),
+            slower_than: Some(FASTEST),
+            below_frequency: Some(FASTEST),
+            ..PoleRegion::default()
+        },
+        scale: LyapunovScale::Fixed(1.0),
+        back_off: 1e-3,
+    })
+}
+
+/// ‖·‖₂ of some rows.
+pub fn h2(system: &StateSpace<Continuous>, rows: &[usize]) -> Result<f64, LtiError> {
+    system.select(rows, &inputs(system))?.h2_norm()
+}
+
+/// ‖·‖₂ of each row.
+pub fn norms(system: &StateSpace<Continuous>) -> Result<Vec<f64>, LtiError> {
+    (0..system.outputs()).map(|row| h2(system, &[row])).collect()
+}
+
+/// ‖·‖∞ of some rows.
+pub fn gain(system: &StateSpace<Continuous>, rows: &[usize]) -> Result<f64, LtiError> {
+    Ok(system.select(rows, &inputs(system))?.hinf_norm()?.norm)
+}
+
+fn inputs(system: &StateSpace<Continuous>) -> Vec<usize> {
+    (0..system.inputs()).collect()
+}
