@@ -7,12 +7,16 @@
 #[path = "common/lmi_cars.rs"]
 mod lmi_cars;
 
-use lmi_cars::{COMFORT, TIRE, TRAVEL, full_car, full_car_goals, gain, h2};
+use lmi_cars::{
+    COMFORT, HEIGHTS, NOISES, TIRE, TRAVEL, full_car, full_car_goals, full_car_with_heights, gain, h2,
+};
 use std::error::Error;
 use std::time::Instant;
 use washboard::lti::{Continuous, GeneralizedPlant, LtiError, StateSpace};
 use washboard::optimize::SdpSettings;
-use washboard::synthesis::{MixedController, MixedEnd, lqr_of_output, mixed_h2_hinf};
+use washboard::synthesis::{
+    LyapunovScale, MixedController, MixedEnd, MixedGoals, lqr_of_output, mixed_h2_hinf,
+};
 
 fn say(name: &str, s: &StateSpace<Continuous>) -> Result<(), LtiError> {
     println!(
@@ -29,14 +33,20 @@ fn say(name: &str, s: &StateSpace<Continuous>) -> Result<(), LtiError> {
     Ok(())
 }
 
+fn from_noises(system: &StateSpace<Continuous>) -> Result<StateSpace<Continuous>, LtiError> {
+    system.select(&(0..system.outputs()).collect::<Vec<_>>(), &NOISES)
+}
+
 fn design(
     plant: &GeneralizedPlant,
-    lambda: f64,
-    mu: f64,
+    [lambda, mu]: [f64; 2],
     decay: f64,
+    tire_inputs: [usize; 4],
+    scale: LyapunovScale,
 ) -> Result<Option<MixedController>, Box<dyn Error>> {
     let begin = Instant::now();
-    let end = mixed_h2_hinf(plant, &full_car_goals(plant, lambda, mu, decay)?, &SdpSettings::default())?;
+    let goals = MixedGoals { scale, ..full_car_goals(plant, [lambda, mu], decay, tire_inputs)? };
+    let end = mixed_h2_hinf(plant, &goals, &SdpSettings::default())?;
     let took = begin.elapsed();
     let MixedEnd::Found(found) = end else {
         println!("λ {lambda:.1} μ {mu}: {end:?}");
@@ -53,10 +63,11 @@ fn design(
         found.achieved.hinf[0] / lambda.sqrt(),
         found.iterations
     );
-    say("active", &plant.close(&found.controller)?)?;
+    say("active", &from_noises(&plant.close(&found.controller)?)?)?;
     Ok(Some(found))
 }
 
+const FIXED: LyapunovScale = LyapunovScale::Fixed(1.0);
 /// A regulator's force weight, 1/N: three accelerations do not weigh four forces.
 const FORCE: f64 = 1e-5;
 
@@ -87,14 +98,14 @@ fn main() -> Result<(), Box<dyn Error>> {
     if std::env::args().nth(1).is_some() {
         for mu in [0.5, 0.9, 0.0, 1.0] {
             for k in 1..10 {
-                design(&plant, 0.1 * f64::from(k), mu, 0.0)?;
+                design(&plant, [0.1 * f64::from(k), mu], 0.0, NOISES, FIXED)?;
             }
         }
         return Ok(());
     }
     regulator(&plant, 0.6)?;
     for decay in [0.0, 0.2] {
-        let Some(found) = design(&plant, 0.6, 0.6, decay)? else { continue };
+        let Some(found) = design(&plant, [0.6, 0.6], decay, NOISES, FIXED)? else { continue };
         for order in [10, 8, 6] {
             let reduced = found.controller.balanced_truncation(order).map(|r| plant.close(&r.system));
             match reduced {
@@ -109,5 +120,10 @@ fn main() -> Result<(), Box<dyn Error>> {
             }
         }
     }
+    // heights in m beside noises of unit intensity: a fixed scale would be a choice of units
+    println!("with the tires' norm from the wheels' heights");
+    let plant = full_car_with_heights()?;
+    say("passive", &from_noises(&plant.passive())?)?;
+    design(&plant, [0.6, 0.6], 0.2, HEIGHTS, LyapunovScale::Searched)?;
     Ok(())
 }

@@ -2,6 +2,7 @@
 
 use std::error::Error;
 use washboard::cases::{self, CaseKind};
+use washboard::linalg::Mat;
 use washboard::lti::{Continuous, GeneralizedPlant, LtiError, StateSpace};
 use washboard::road::Coherence;
 use washboard::synthesis::{H2Goal, HinfGoal, LyapunovScale, MixedGoals, PoleRegion};
@@ -87,6 +88,10 @@ impl HalfCar {
 /// z: accelerations at the driver (3), travels (4), tire deflections (4), forces (4); y: travels, velocities of body and wheels.
 /// Driven by the noises of (7.2).
 pub fn full_car() -> Result<GeneralizedPlant, Box<dyn Error>> {
+    full_car_from(Disturbance::RoadNoise)
+}
+
+fn full_car_from(disturbance: Disturbance) -> Result<GeneralizedPlant, Box<dyn Error>> {
     let case = cases::find("chalasani-full-car", CaseKind::Vehicle)?;
     let spec: VehicleSpec = toml::from_str(&case.toml)?;
     let car = spec.build_alone()?;
@@ -94,37 +99,76 @@ pub fn full_car() -> Result<GeneralizedPlant, Box<dyn Error>> {
     let z: Vec<&str> =
         comfort.into_iter().chain(["suspension_travel", "tire_deflection", "actuator_force"]).collect();
     let y = ["suspension_travel", "heave_velocity", "pitch_velocity", "roll_velocity", "unsprung_velocity"];
-    plant(&car, [&z, &y], "turkay-first-order", Disturbance::RoadNoise)
+    plant(&car, [&z, &y], "turkay-first-order", disturbance)
+}
+
+/// [`full_car`] with the wheels' heights as four more disturbances beside the noises: ẇ = −v a_w w + √v b_w ξ of (7.2) written
+/// out, and w + w' under the wheels.
+pub fn full_car_with_heights() -> Result<GeneralizedPlant, Box<dyn Error>> {
+    const A_W: f64 = 0.0572;
+    const B_W: f64 = 0.0195;
+    let heights = full_car_from(Disturbance::RoadDisplacement)?;
+    let s = heights.system();
+    let (n, nu, rows) = (s.order(), heights.nu(), s.outputs());
+    let (a, b, c, d) = (s.a(), s.b(), s.c(), s.d());
+    let wide_a = Mat::from_fn(n + 4, n + 4, |i, j| match (i < n, j < n) {
+        (true, true) => a[(i, j)],
+        (true, false) => b[(i, j - n)],
+        (false, _) => {
+            if i == j {
+                -SPEED_M_S * A_W
+            } else {
+                0.0
+            }
+        }
+    });
+    let wide_b = Mat::from_fn(n + 4, 8 + nu, |i, j| match (i < n, j < 4) {
+        (true, false) => b[(i, j - 4)],
+        (false, true) if i == n + j => SPEED_M_S.sqrt() * B_W,
+        _ => 0.0,
+    });
+    let wide_c = Mat::from_fn(rows, n + 4, |i, j| if j < n { c[(i, j)] } else { d[(i, j - n)] });
+    let wide_d = Mat::from_fn(rows, 8 + nu, |i, j| if j < 4 { 0.0 } else { d[(i, j - 4)] });
+    let mut signals = heights.signals().clone();
+    let noises = (0..4).map(|k| format!("noise {}", k + 1));
+    signals.disturbances = noises.chain(signals.disturbances).collect();
+    Ok(GeneralizedPlant::new(StateSpace::continuous(wide_a, wide_b, wide_c, wide_d)?, signals)?)
 }
 
 /// Rows of the full car's outputs.
 pub const COMFORT: [usize; 3] = [0, 1, 2];
 pub const TRAVEL: [usize; 4] = [3, 4, 5, 6];
 pub const TIRE: [usize; 4] = [7, 8, 9, 10];
+/// Its disturbances.
+pub const NOISES: [usize; 4] = [0, 1, 2, 3];
+pub const HEIGHTS: [usize; 4] = [4, 5, 6, 7];
 
-/// Λ∞ and Λ₂ of §7.2, poles in its rectangle and left of −`decay`.
+/// Λ∞ and Λ₂ of §7.2, poles in its rectangle and left of −`decay`. The tires' norm is from `tire_inputs` (the noises, or the
+/// heights of [`full_car_with_heights`]).
 pub fn full_car_goals(
     plant: &GeneralizedPlant,
-    lambda: f64,
-    mu: f64,
+    [lambda, mu]: [f64; 2],
     decay: f64,
+    tire_inputs: [usize; 4],
 ) -> Result<MixedGoals, LtiError> {
     let passive = plant.passive();
+    let from = |inputs: &[usize]| passive.select(&(0..passive.outputs()).collect::<Vec<_>>(), inputs);
+    let (noises, heights) = (from(&NOISES)?, from(&tire_inputs)?);
     let rest = (1.0 - lambda).sqrt();
     let of = |rows: &[usize], weight: f64| -> Result<Vec<(usize, f64)>, LtiError> {
-        let weight = weight / h2(&passive, rows)?;
+        let weight = weight / h2(&noises, rows)?;
         Ok(rows.iter().map(|row| (*row, weight)).filter(|(_, w)| *w > 0.0).collect())
     };
     let outputs = [of(&COMFORT, mu * rest)?, of(&TRAVEL, (1.0 - mu) * rest)?].concat();
-    let weight = lambda.sqrt() / gain(&passive, &TIRE)?;
+    let weight = lambda.sqrt() / gain(&heights, &TIRE)?;
     let tires = HinfGoal {
         outputs: TIRE.map(|row| (row, weight)).to_vec(),
-        disturbances: vec![],
+        disturbances: tire_inputs.to_vec(),
         weight: 1.0,
         bound: None,
     };
     Ok(MixedGoals {
-        h2: Some(H2Goal { outputs, weight: 1.0, ..H2Goal::default() }),
+        h2: Some(H2Goal { outputs, weight: 1.0, disturbances: NOISES.to_vec(), bound: None }),
         hinf: vec![tires],
         region: PoleRegion {
             faster_than: Some(decay),

@@ -4,7 +4,7 @@
 #[allow(dead_code)]
 mod lmi_cars;
 
-use lmi_cars::{COMFORT, HalfCar, TIRE, TRAVEL, full_car, full_car_goals, gain, h2, norms};
+use lmi_cars::{COMFORT, HalfCar, NOISES, TIRE, TRAVEL, full_car, full_car_goals, gain, h2, norms};
 use washboard::optimize::SdpSettings;
 use washboard::synthesis::{LyapunovScale, MixedController, MixedEnd, mixed_h2_hinf, robust_state_feedback};
 use washboard::vehicle::Disturbance;
@@ -96,7 +96,7 @@ fn one_gain_for_a_box_of_tires_of_the_half_car() {
 #[test]
 fn the_full_cars_design_with_a_pole_rectangle() {
     let plant = full_car().unwrap();
-    let goals = full_car_goals(&plant, 0.6, 0.6, 0.2).unwrap();
+    let goals = full_car_goals(&plant, [0.6, 0.6], 0.2, NOISES).unwrap();
     let found = found(mixed_h2_hinf(&plant, &goals, &SdpSettings::default()).unwrap());
     let closed = plant.close(&found.controller).unwrap();
     // printed 3.5916, .0722, .0030; the notes allow 1.5 %
