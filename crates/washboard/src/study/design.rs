@@ -33,7 +33,7 @@ pub fn design(spec: &DesignSpec) -> Result<(DesignOutcome, Vec<Input>), StudyErr
     let mut outcome = DesignOutcome {
         status: DesignStatus::Designed,
         why: None,
-        design: spec.clone(),
+        design: DesignSpec { measurements: problem.asked_measurements(), ..spec.clone() },
         controller: None,
         order: None,
         claimed: Named::default(),
@@ -130,6 +130,9 @@ fn finish(
         outcome.objective.insert("verified", objective(problem, &measured));
     }
     outcome.warnings.extend(design_warnings::worse(problem, &outcome.passive, &measured));
+    if problem.spec.method.is_by_inequalities() {
+        outcome.warnings.extend(design_warnings::slower(&outcome.passive, &measured));
+    }
     let (before, after) = (outcome.objective.get("passive"), outcome.objective.get("verified"));
     if let (Some(before), Some(after)) = (before, after)
         && after > before

@@ -12,6 +12,10 @@ use crate::synthesis::{PoleRegion, SynthesisError};
 
 /// Shares of the objective that are given up, one after another.
 const BACK_OFFS: [f64; 4] = [1e-2, 5e-2, 0.2, 0.5];
+/// The smallest feasible bound is found to this share, by factors up to the other number.
+const NEAR_BOUND: f64 = 0.01;
+const MOST_TIMES: f64 = 1e3;
+const GROWTH: f64 = 1.6;
 /// A controller whose poles are so many times the fastest of the vehicle is worth a warning.
 const FAST: f64 = 100.0;
 /// Frequencies at which an unstable controller's gain is looked at, beside its poles', 0 and ∞.
@@ -25,13 +29,13 @@ pub(super) enum Attempt<T> {
 }
 
 /// The first controller that keeps to the limits: as asked, then with the loop's poles bounded too, then with more of the
-/// objective given up. Without one `outcome` says why.
+/// objective given up. `solve` takes a factor on all bounds, a back-off and a region. Without a controller `outcome` says why.
 pub(super) fn within<T>(
     problem: &Problem,
     asked: f64,
     region: PoleRegion,
     outcome: &mut DesignOutcome,
-    solve: impl Fn(f64, PoleRegion) -> Result<Attempt<T>, SynthesisError>,
+    solve: impl Fn(f64, f64, PoleRegion) -> Result<Attempt<T>, SynthesisError>,
 ) -> Result<Option<(StateSpace<Continuous>, T)>, SynthesisError> {
     let goal = &problem.spec.goal;
     let limited = goal.max_pole_rad_s.is_some() || goal.max_gain.is_some();
@@ -40,23 +44,33 @@ pub(super) fn within<T>(
         let within = region.within.map_or(most, |w| w.min(most));
         regions.push(PoleRegion { within: Some(within), ..region });
     }
-    let more = BACK_OFFS.iter().copied().filter(|b| limited && *b > asked);
     let mut nearest: Option<[f64; 2]> = None;
-    for back_off in std::iter::once(asked).chain(more) {
+    let mut failed: Option<SynthesisError> = None;
+    for back_off in std::iter::once(asked).chain(BACK_OFFS.iter().copied().filter(|b| *b > asked)) {
+        if back_off > asked && !limited && failed.is_none() {
+            break;
+        }
         for (k, region) in regions.iter().enumerate() {
-            let (controller, of) = match solve(back_off, *region) {
+            let (controller, of) = match solve(1.0, back_off, *region) {
                 Ok(Attempt::Found { controller, of }) => (controller, of),
+                Err(e) => {
+                    // nearer to the middle its equations are better conditioned
+                    failed.get_or_insert(e);
+                    continue;
+                }
                 // what the limits add may be too much; what is asked may not
-                _ if k > 0 || nearest.is_some() => continue,
+                _ if k > 0 || nearest.is_some() || failed.is_some() => continue,
                 Ok(Attempt::Infeasible(times)) => {
-                    infeasible(problem, times, outcome);
+                    let met =
+                        |factor: f64| matches!(solve(factor, asked, *region), Ok(Attempt::Found { .. }));
+                    let bounded = problem.peaks.iter().any(|p| p.bound.is_some());
+                    infeasible(problem, if bounded { smallest(times, met) } else { None }, outcome);
                     return Ok(None);
                 }
                 Ok(Attempt::Stalled(measures)) => {
                     stalled(&measures, outcome);
                     return Ok(None);
                 }
-                Err(e) => return Err(e),
             };
             let found = [fastest(&controller)?, largest_gain(&controller)?];
             if over(goal.max_pole_rad_s, found[0]) || over(goal.max_gain, found[1]) {
@@ -69,16 +83,42 @@ pub(super) fn within<T>(
                 }
                 continue;
             }
-            outcome.claimed.insert("back_off", back_off);
-            outcome.claimed.insert("fastest_controller_pole", found[0]);
+            if back_off > 0.0 {
+                outcome.claimed.insert("back_off", back_off);
+            }
+            if controller.order() > 0 {
+                outcome.claimed.insert("fastest_controller_pole", found[0]);
+            }
             outcome.claimed.insert("controller_gain", found[1]);
             said(problem, asked, back_off, k > 0, found, outcome);
             return Ok(Some((controller, of)));
         }
     }
+    if let (None, Some(e)) = (nearest, failed) {
+        return Err(e);
+    }
     outcome.status = DesignStatus::Refused;
     outcome.why = nearest.map(|n| refusal(problem, n));
     Ok(None)
+}
+
+/// The smallest factor on all bounds with which there is a controller, to a per cent: above `least`, which is known to be
+/// necessary. None where none of the factors tried helps.
+fn smallest(least: Option<f64>, met: impl Fn(f64) -> bool) -> Option<f64> {
+    let mut low = least.unwrap_or(1.0).max(1.0);
+    let mut high = low * (1.0 + NEAR_BOUND);
+    while !met(high) {
+        low = high;
+        high *= GROWTH;
+        if high > MOST_TIMES {
+            return None;
+        }
+    }
+    while high / low > 1.0 + NEAR_BOUND {
+        let middle = (low * high).sqrt();
+        if met(middle) { high = middle } else { low = middle }
+    }
+    Some(high)
 }
 
 fn over(limit: Option<f64>, found: f64) -> bool {

@@ -17,10 +17,11 @@ use crate::synthesis::{
 const MINIMAL: f64 = 1e-10;
 
 /// The goals as the inequalities take them, for a plant whose performances are the problem's `reported` ones followed by
-/// weighted controls.
+/// weighted controls; all bounds `times` what is asked.
 pub(super) fn goals(
     problem: &Problem,
     plant: &GeneralizedPlant,
+    times: f64,
     back_off: f64,
     region: PoleRegion,
 ) -> MixedGoals {
@@ -37,7 +38,7 @@ pub(super) fn goals(
         outputs: of(&p.block, 1.0),
         disturbances: road.clone(),
         weight: (p.block.weight / p.block.passive).powi(2),
-        bound: p.bound.map(|b| b * p.block.passive),
+        bound: p.bound.map(|b| times * b * p.block.passive),
     };
     MixedGoals {
         h2: asked.then(|| H2Goal { outputs, weight: 1.0, ..H2Goal::default() }),
@@ -78,8 +79,8 @@ pub(super) fn by_mixed(problem: &Problem, alone: &Problem, outcome: &mut DesignO
     let asked = spec.mixed.unwrap_or_default().back_off;
     let region = spec.poles.unwrap_or_default().region().unwrap_or_default();
     let settings = SdpSettings::default();
-    let solve = |back_off: f64, region: PoleRegion| {
-        let goals = goals(alone, &whole, back_off, region);
+    let solve = |times: f64, back_off: f64, region: PoleRegion| {
+        let goals = goals(alone, &whole, times, back_off, region);
         Ok(match mixed_h2_hinf(&whole, &goals, &settings)? {
             MixedEnd::Found(found) => Attempt::Found { controller: found.controller.clone(), of: found },
             MixedEnd::Infeasible { bounds_times, .. } => Attempt::Infeasible(bounds_times),
@@ -89,7 +90,7 @@ pub(super) fn by_mixed(problem: &Problem, alone: &Problem, outcome: &mut DesignO
     let Some((controller, found)) = design_limits::within(problem, asked, region, outcome, solve)? else {
         return Ok(None);
     };
-    let all = goals(alone, &whole, asked, region);
+    let all = goals(alone, &whole, 1.0, asked, region);
     claims(problem, &all, &found.claims, std::slice::from_ref(&found.achieved), outcome);
     outcome.claimed.insert("optimum", found.optimum);
     outcome.claimed.insert("condition", found.condition);
@@ -149,9 +150,9 @@ pub(super) fn infeasible(problem: &Problem, bounds_times: Option<f64>, outcome: 
     let poles = if problem.spec.poles.is_some() { " with poles in the region asked for" } else { "" };
     let why = match bounds_times {
         _ if bounded.is_empty() => {
-            format!("no controller has its loop's poles in the region asked for (poles){}", one_matrix())
+            "no controller has its loop's poles in the region asked for (poles)".to_owned()
         }
-        Some(times) if times > 1.0 => {
+        Some(times) => {
             let list = |k: f64| {
                 bounded.iter().map(|(n, b)| format!("{n} = {}", short(k * b))).collect::<Vec<_>>().join(", ")
             };
@@ -160,24 +161,18 @@ pub(super) fn infeasible(problem: &Problem, bounds_times: Option<f64>, outcome: 
             }
             let together = if bounded.len() > 1 { ", all raised by one factor" } else { "" };
             format!(
-                "no controller{poles} keeps to goal.bound = {{ {} }}; the smallest that can be kept is {{ {} }}{together} (multiples of \
-                 the passive norms){}",
+                "no controller{poles} keeps to the bounds {{ {} }}; the smallest that were found to be possible are {{ {} }}{together} \
+                 (multiples of the passive norms, to 1 %)",
                 list(1.0),
                 list(times),
-                one_matrix()
             )
         }
-        _ => format!(
-            "no controller{poles} meets all that is asked together, though the bounds by themselves can be met{}",
-            one_matrix()
-        ),
+        None => format!("no controller{poles} was found, with whatever bounds"),
     };
+    let proof =
+        "; one Lyapunov matrix is asked to show all norms and poles at once, which may ask too much of it";
+    let why = why + proof;
     outcome.why = Some(why);
-}
-
-/// What an infeasible inequality proves.
-fn one_matrix() -> &'static str {
-    ": by one Lyapunov matrix for all norms, which several bounds together may ask too much of"
 }
 
 pub(super) fn stalled(measures: &Measures, outcome: &mut DesignOutcome) {

@@ -1,6 +1,5 @@
 //! What the designs by matrix inequalities are told: poles, the Lyapunov scale, ranges, noise.
 
-use super::design_goal::above_zero;
 use super::{DesignMethod, DesignSpec, StudyError};
 use crate::synthesis::{LyapunovScale, PoleRegion};
 use serde::{Deserialize, Serialize};
@@ -205,7 +204,10 @@ impl DesignSpec {
                 return Err(setting(field, "a positive, finite number", found.to_string()));
             }
         }
-        above_zero("goal.bound_h2", &g.bound_h2)?;
+        if !g.bound_h2.is_empty() {
+            let expected = "nothing yet: minimise H2 norms, and bound H∞ norms (goal.bound)";
+            return Err(setting("goal.bound_h2", expected, "bounds"));
+        }
         if let LyapunovScaleSpec::Number(s) = self.lyapunov_scale
             && !((1e-6..=1e6).contains(&s))
         {

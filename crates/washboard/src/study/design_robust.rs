@@ -136,15 +136,16 @@ pub(super) fn words(at: &Named<f64>) -> String {
 pub(super) fn by_robust(problem: &Problem, family: &Family, outcome: &mut DesignOutcome) -> Found {
     let region = problem.spec.poles.unwrap_or_default().region().unwrap_or_default();
     let plants: Vec<GeneralizedPlant> = family.vertices.iter().map(|v| v.plant.clone()).collect();
-    let solve =
-        |back_off: f64, region: PoleRegion| feedback(&family.stated.problem, &plants, back_off, region);
+    let solve = |times: f64, back_off: f64, region: PoleRegion| {
+        feedback(&family.stated.problem, &plants, times, back_off, region)
+    };
     let Some((controller, found)) = within(problem, 0.0, region, outcome, solve)? else { return Ok(None) };
-    let all = goals(&family.stated.problem, &plants[0], 0.0, region);
+    let all = goals(&family.stated.problem, &plants[0], 1.0, 0.0, region);
     claims(problem, &all, &found.claims, &found.achieved, outcome);
     iterations(found.iterations, outcome);
     if family.is_many() {
         let own = std::slice::from_ref(&family.stated.plant);
-        match feedback(&family.stated.problem, own, 0.0, region)? {
+        match feedback(&family.stated.problem, own, 1.0, 0.0, region)? {
             Attempt::Found { controller, of } => {
                 outcome.claimed.insert("nominal_objective", of.claims.objective);
                 outcome.nominal = Some(named(problem, &controller));
@@ -171,12 +172,13 @@ pub(super) fn by_robust(problem: &Problem, family: &Family, outcome: &mut Design
 fn feedback(
     problem: &Problem,
     plants: &[GeneralizedPlant],
+    times: f64,
     back_off: f64,
     region: PoleRegion,
 ) -> Result<Attempt<StateFeedback>, SynthesisError> {
     let settings =
         SdpSettings { interior_gap: (back_off > 0.0).then_some(back_off), ..SdpSettings::default() };
-    let all = goals(problem, &plants[0], back_off, region);
+    let all = goals(problem, &plants[0], times, back_off, region);
     Ok(match robust_state_feedback(plants, &all, &settings)? {
         MixedEnd::Found(of) => {
             Attempt::Found { controller: StateSpace::continuous_gain(of.gain.clone())?, of }

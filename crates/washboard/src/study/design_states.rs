@@ -10,7 +10,7 @@ use crate::vehicle::{Output, PlantError, PlantSettings, Vehicle};
 const DEPENDENT: f64 = 1e-9;
 
 /// Outputs that together are the state: travels, tire deflections and velocities, then displacements where the road's height
-/// is a part of it; as many as are independent.
+/// is a part of it and that makes the state whole; as many as are independent.
 pub(super) fn states(vehicle: &Vehicle, settings: &PlantSettings<'_>) -> Result<Vec<Output>, PlantError> {
     const KINDS: [&str; 4] = ["travel", "tire_deflection", "velocity", "displacement"];
     let mut chosen: Vec<Output> = Vec::new();
@@ -20,8 +20,11 @@ pub(super) fn states(vehicle: &Vehicle, settings: &PlantSettings<'_>) -> Result<
         let candidates: Vec<&Output> = kinds.iter().flat_map(of_kind).collect();
         let Ok(plant) = vehicle.plant(&[], &candidates, settings) else { continue };
         let kept = independent(&plant);
-        chosen = kept.iter().map(|i| candidates[*i].clone()).collect();
-        if chosen.len() == plant.order() {
+        let complete = kept.len() == plant.order();
+        if complete || chosen.is_empty() {
+            chosen = kept.iter().map(|i| candidates[*i].clone()).collect();
+        }
+        if complete {
             break;
         }
     }

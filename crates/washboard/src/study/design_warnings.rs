@@ -9,6 +9,8 @@ use crate::synthesis::SynthesisError;
 
 /// A response that is so many times the passive one at its worst is worth a warning.
 const WORSE_PEAK: f64 = 3.0;
+/// A mode slower than the vehicle's slowest by this factor is worth a warning.
+const SLOW: f64 = 0.01;
 /// An output that becomes worse by more than this share is worth a warning.
 const WORSE_RMS: f64 = 0.1;
 
@@ -43,6 +45,21 @@ pub(super) fn sampled_loop(
             pole.norm()
         ),
     }))
+}
+
+/// A warning where the loop has a pole far slower than any of the vehicle: what starts it takes long to die away.
+pub(super) fn slower(passive: &Measured, closed: &Measured) -> Option<Flag> {
+    let slowest = |m: &Measured| m.poles.iter().map(|p| -p[0]).fold(f64::INFINITY, f64::min);
+    let (before, after) = (slowest(passive), slowest(closed));
+    (passive.stable && after < SLOW * before).then(|| Flag {
+        name: "slow-loop".into(),
+        text: format!(
+            "the loop has a mode that decays at {} 1/s, where the vehicle's slowest decays at {}: drifts and offsets stay for long; ask \
+             for poles = {{ max_real_rad_s = … }}",
+            short(after),
+            short(before)
+        ),
+    })
 }
 
 /// The rms of road and sensors' noise together, where both are finite.
