@@ -319,6 +319,11 @@ fn fewer_states_are_shown_with_their_own_loops() {
             assert!((of(&ride) / of(&one["verified"]) - 1.0).abs() < 1e-9);
         }
     }
+    // a group is a row of its members' kind, and not what names that begin like it are corners of
+    fs::write(folder.0.join("design.toml"), text).unwrap();
+    let out = folder.run("design design.toml").1;
+    let comfort = out.split("comfort").nth(1).unwrap().split("rattle space").next().unwrap();
+    assert!(comfort.contains("\n  body ") && comfort.contains("\n  body_acceleration "), "{out}");
     // a group has the joint norm of its members
     let h2 = |of: &str, name: &str| number(&made, &[of, "h2", name]);
     for of in ["passive", "verified"] {

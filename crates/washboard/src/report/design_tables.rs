@@ -107,9 +107,12 @@ pub(super) fn certificate(o: &DesignOutcome) -> Option<Html> {
     };
     let head = ["number", "unit", "#claimed", "#from vehicle and controller alone"];
     let body = rows.iter().map(row).collect();
-    (!rows.is_empty()).then(|| {
-        table("what is claimed, and what the loop itself shows", &head[..if both { 4 } else { 3 }], body)
-    })
+    let caption = if o.vertices.is_empty() {
+        "what is claimed, and what the loop itself shows"
+    } else {
+        "what is claimed of the whole range, and what the loop of its worst corner shows"
+    };
+    (!rows.is_empty()).then(|| table(caption, &head[..if both { 4 } else { 3 }], body))
 }
 
 /// Each vehicle of a range, passive, with the gain of the one as stated, with the robust one.

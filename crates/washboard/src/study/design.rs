@@ -131,15 +131,18 @@ fn finish(
     }
     outcome.warnings.extend(design_warnings::worse(problem, &outcome.passive, &measured));
     if problem.spec.method.is_by_inequalities() {
-        outcome.warnings.extend(design_warnings::slower(&outcome.passive, &measured));
+        outcome.warnings.extend(design_warnings::paces(&outcome.passive, &measured));
     }
     let (before, after) = (outcome.objective.get("passive"), outcome.objective.get("verified"));
     if let (Some(before), Some(after)) = (before, after)
         && after > before
     {
-        let text = format!(
-            "the goal itself is worse than passive ({after:.4} against {before:.4}): noise and weighted controls outweigh it"
-        );
+        let why = if problem.spec.method.is_by_inequalities() {
+            "bounds, poles or noise ask for that, or the promise is far above what is so"
+        } else {
+            "noise and weighted controls outweigh it"
+        };
+        let text = format!("the goal itself is worse than passive ({after:.4} against {before:.4}): {why}");
         outcome.warnings.push(Flag { name: "worse-goal".into(), text });
     }
     for (name, rms) in measured.rms.iter().filter(|(name, _)| name.starts_with("actuator_force")) {

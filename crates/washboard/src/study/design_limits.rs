@@ -28,6 +28,36 @@ pub(super) enum Attempt<T> {
     Stalled(Measures),
 }
 
+/// A controller that keeps to the limits.
+pub(super) struct Kept<T> {
+    pub controller: StateSpace<Continuous>,
+    pub of: T,
+    how: How,
+}
+
+/// What it took, and the controller's fastest pole and largest gain.
+struct How {
+    asked: f64,
+    back_off: f64,
+    bounded: bool,
+    failed: bool,
+    found: [f64; 2],
+}
+
+impl<T> Kept<T> {
+    /// Its numbers among the claims.
+    pub fn claim(&self, outcome: &mut DesignOutcome) {
+        let [pole, gain] = self.how.found;
+        if self.controller.order() > 0 {
+            outcome.claimed.insert("fastest_controller_pole", pole);
+        }
+        outcome.claimed.insert("controller_gain", gain);
+        if self.how.back_off > 0.0 {
+            outcome.claimed.insert("back_off", self.how.back_off);
+        }
+    }
+}
+
 /// The first controller that keeps to the limits: as asked, then with the loop's poles bounded too, then with more of the
 /// objective given up. `solve` takes a factor on all bounds, a back-off and a region. Without a controller `outcome` says why.
 pub(super) fn within<T>(
@@ -36,7 +66,7 @@ pub(super) fn within<T>(
     region: PoleRegion,
     outcome: &mut DesignOutcome,
     solve: impl Fn(f64, f64, PoleRegion) -> Result<Attempt<T>, SynthesisError>,
-) -> Result<Option<(StateSpace<Continuous>, T)>, SynthesisError> {
+) -> Result<Option<Kept<T>>, SynthesisError> {
     let goal = &problem.spec.goal;
     let limited = goal.max_pole_rad_s.is_some() || goal.max_gain.is_some();
     let mut regions = vec![region];
@@ -83,15 +113,9 @@ pub(super) fn within<T>(
                 }
                 continue;
             }
-            if back_off > 0.0 {
-                outcome.claimed.insert("back_off", back_off);
-            }
-            if controller.order() > 0 {
-                outcome.claimed.insert("fastest_controller_pole", found[0]);
-            }
-            outcome.claimed.insert("controller_gain", found[1]);
-            said(problem, asked, back_off, k > 0, found, outcome);
-            return Ok(Some((controller, of)));
+            let how = How { asked, back_off, bounded: k > 0, failed: failed.is_some(), found };
+            said(problem, &how, outcome);
+            return Ok(Some(Kept { controller, of, how }));
         }
     }
     if let (None, Some(e)) = (nearest, failed) {
@@ -126,22 +150,23 @@ fn over(limit: Option<f64>, found: f64) -> bool {
 }
 
 /// Notes of what the limits cost, or a warning of what is absurd.
-fn said(
-    problem: &Problem,
-    asked: f64,
-    back_off: f64,
-    bounded: bool,
-    found: [f64; 2],
-    outcome: &mut DesignOutcome,
-) {
-    if back_off > asked || bounded {
-        let loop_ =
-            if bounded { ", with the loop's poles as slow as the controller's are to be" } else { "" };
-        let text = format!(
-            "to keep to the limits on the controller it is within {} % of the least objective instead of {} %{loop_}",
+fn said(problem: &Problem, how: &How, outcome: &mut DesignOutcome) {
+    let (asked, back_off, found) = (how.asked, how.back_off, how.found);
+    if back_off > asked || how.bounded {
+        let given = format!(
+            "{} % of the least value are given up instead of {} %",
             short(100.0 * back_off),
             short(100.0 * asked)
         );
+        let slow = "the loop's poles are kept as slow as the controller's are to be".to_owned();
+        let what: Vec<String> =
+            (back_off > asked).then_some(given).into_iter().chain(how.bounded.then_some(slow)).collect();
+        let why = if how.failed {
+            "nearer to the least value rounding makes the loop contradict its promise"
+        } else {
+            "for a controller that is slow and gentle enough"
+        };
+        let text = format!("{why}: {}", what.join(", and "));
         outcome.notes.push(Flag { name: "backed-off".into(), text });
     }
     let own = outcome.passive.poles.iter().map(|p| p[0].hypot(p[1])).fold(0.0, f64::max);

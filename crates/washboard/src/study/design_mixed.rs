@@ -87,11 +87,11 @@ pub(super) fn by_mixed(problem: &Problem, alone: &Problem, outcome: &mut DesignO
             MixedEnd::Stalled(measures) => Attempt::Stalled(measures),
         })
     };
-    let Some((controller, found)) = design_limits::within(problem, asked, region, outcome, solve)? else {
-        return Ok(None);
-    };
+    let Some(kept) = design_limits::within(problem, asked, region, outcome, solve)? else { return Ok(None) };
+    let found = &kept.of;
     let all = goals(alone, &whole, 1.0, asked, region);
     claims(problem, &all, &found.claims, std::slice::from_ref(&found.achieved), outcome);
+    kept.claim(outcome);
     outcome.claimed.insert("optimum", found.optimum);
     outcome.claimed.insert("condition", found.condition);
     iterations(found.iterations, outcome);
@@ -99,7 +99,7 @@ pub(super) fn by_mixed(problem: &Problem, alone: &Problem, outcome: &mut DesignO
         let text = "the solver stalled before its optimum: the promise is kept, but a better controller may be possible";
         outcome.warnings.push(Flag { name: "not-optimal".into(), text: text.into() });
     }
-    Ok(Some(controller))
+    Ok(Some(kept.controller))
 }
 
 pub(super) fn iterations(count: [usize; 2], outcome: &mut DesignOutcome) {

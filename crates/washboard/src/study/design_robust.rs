@@ -139,9 +139,11 @@ pub(super) fn by_robust(problem: &Problem, family: &Family, outcome: &mut Design
     let solve = |times: f64, back_off: f64, region: PoleRegion| {
         feedback(&family.stated.problem, &plants, times, back_off, region)
     };
-    let Some((controller, found)) = within(problem, 0.0, region, outcome, solve)? else { return Ok(None) };
+    let Some(kept) = within(problem, 0.0, region, outcome, solve)? else { return Ok(None) };
+    let found = &kept.of;
     let all = goals(&family.stated.problem, &plants[0], 1.0, 0.0, region);
     claims(problem, &all, &found.claims, &found.achieved, outcome);
+    kept.claim(outcome);
     iterations(found.iterations, outcome);
     if family.is_many() {
         let own = std::slice::from_ref(&family.stated.plant);
@@ -166,7 +168,7 @@ pub(super) fn by_robust(problem: &Problem, family: &Family, outcome: &mut Design
             outcome.warnings.push(Flag { name: "corners-only".into(), text });
         }
     }
-    Ok(Some(controller))
+    Ok(Some(kept.controller))
 }
 
 fn feedback(

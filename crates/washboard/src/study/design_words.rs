@@ -73,14 +73,14 @@ impl DesignOutcome {
     pub fn claim_words(&self, name: &str) -> (String, String) {
         let pure = |words: &str| (words.to_owned(), String::new());
         match name {
-            "h2_with_noise" => pure("H2 norm with sensor noise, from the Riccati equations"),
+            "h2_with_noise" => pure("H2 norm with sensor noise"),
             "h2_with_noise_recomputed" => pure("the same, from vehicle and controller alone"),
-            "control_riccati_residual" => pure("residual of the control Riccati equation, relative"),
-            "filter_riccati_residual" => pure("residual of the filter Riccati equation, relative"),
+            "control_riccati_residual" => pure("control Riccati equation's residual, relative"),
+            "filter_riccati_residual" => pure("filter Riccati equation's residual, relative"),
             "h2_limit" => pure("H2 norm that no controller beats"),
             "h2_limit_closed_form" => pure("the same, by inner and outer factors"),
-            "gamma" => pure("least H∞ norm of all weighted outputs together"),
-            "level" => pure("level that the controller was made for"),
+            "gamma" => pure("H∞ norm of all weighted outputs together"),
+            "level" => pure("level that it was made for"),
             "gamma_recomputed" => pure("H∞ norm, from vehicle and controller alone"),
             "match_error" => pure("error of the copied acceleration, relative"),
             "objective" => pure("the goal's value"),
@@ -93,13 +93,11 @@ impl DesignOutcome {
             "nominal_objective" => pure("the same, of the vehicle as stated alone"),
             "fastest_controller_pole" => ("the controller's fastest pole".to_owned(), "rad/s".to_owned()),
             "controller_gain" => ("the controller's largest gain".to_owned(), "N per unit".to_owned()),
-            "tire_factor_at_wheel_hop" => {
-                pure("tire deflection at the hidden mode, over the copied design's")
-            }
+            "tire_factor_at_wheel_hop" => pure("tire at the hidden mode, over the copied design's"),
             other => {
                 let unit = |output: &str| self.units.get(output).cloned().unwrap_or_default();
                 if let Some(output) = other.strip_prefix("rms_") {
-                    (format!("rms of {output}, by the method's own formula"), unit(output))
+                    (format!("rms of {output} by formula"), unit(output))
                 } else if let Some(output) = other.strip_prefix("hinf_") {
                     (format!("largest gain of {output}"), format!("{} per {}", unit(output), self.per()))
                 } else if let Some(output) = other.strip_prefix("lyapunov_scale_") {
