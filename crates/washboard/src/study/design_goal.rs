@@ -84,7 +84,8 @@ impl DesignSpec {
             (false, false) => return Err(setting(own_name, "either this or goal.minimize", "both".into())),
         };
         at_least_zero("goal.minimize", "weights ≥ 0", weights)?;
-        if !weights.iter().any(|(_, w)| *w > 0.0) && !(mixes && weights.is_empty()) {
+        let may_be_none = mixes && weights.is_empty();
+        if !may_be_none && weights.iter().all(|(_, w)| *w == 0.0) {
             let zeros = if weights.is_empty() { "none" } else { "zeros" };
             return Err(setting("goal.minimize", "a weight above 0", zeros.into()));
         }
