@@ -61,8 +61,8 @@ pub struct StateFeedback {
 /// One X ≻ 0 and W = KX for all vertices: He(AX + B₂W) + … as of [`MixedGoals`]; what holds at the vertices holds in the
 /// polytope, and while the plant moves in it. The vertices share their numbers of states and signals; the controller sees
 /// all states. With bounds only on H∞ norms the scale of the common Lyapunov matrix is a variable of the program. With an
-/// `interior_gap` in the settings the gain is that of a point well inside, within that share of the least objective:
-/// `back_off` of the goals is of output feedback.
+/// `interior_gap` in the settings the gain is that of a point well inside, within that share of the least objective, and
+/// the end is [`MixedEnd::Stalled`] where the solver passed none: `back_off` of the goals is of output feedback.
 ///
 /// # Errors
 /// Goals that say nothing or contradict themselves, vertices of different sizes, a vertex that cannot be stabilised, a
@@ -102,6 +102,10 @@ pub fn robust_state_feedback(
     };
     let (program, solution) = solved;
     Ok(match solution.outcome.status {
+        // not the optimum in its place: it was asked for a gain that is not there
+        Status::Optimal if settings.interior_gap.is_some() && solution.outcome.interior.is_none() => {
+            MixedEnd::Stalled(solution.outcome.measures)
+        }
         Status::Optimal => {
             let inner = solution.interior().unwrap_or(solution);
             let mut found = program.feedback(&units, goals, &inner);
