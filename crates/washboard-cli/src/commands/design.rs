@@ -61,7 +61,12 @@ pub fn run(a: Arguments, output: Output) -> Result<ExitCode, Failure> {
 fn table(o: &DesignOutcome) -> String {
     let d = &o.design;
     let mut text = wrapped(&format!("{} on {} at {} m/s", d.vehicle, d.road, d.speed_m_s));
-    text += &wrapped(&format!("method {}, measuring {}", d.method.name(), d.measurements.join(", ")));
+    text += &wrapped(&format!(
+        "method {}, {} {}",
+        d.method.name(),
+        o.measures_words(),
+        d.measurements.join(", ")
+    ));
     text += &wrapped(&format!("{}: {}", status(o.status), o.verdict()));
     if let Some(why) = &o.why {
         text += &wrapped(&format!("! {why}"));
@@ -75,7 +80,7 @@ fn table(o: &DesignOutcome) -> String {
     if let Some(no_loop) = o.no_loop() {
         text += &wrapped(&format!("note: {no_loop}"));
     }
-    let parts = [rms(o), peaks(o), goal(o), claims(o)];
+    let parts = [rms(o), peaks(o), goal(o), vertices(o), claims(o), truncated(o), gains(o)];
     parts.into_iter().filter(|p| !p.is_empty()).for_each(|p| text += &format!("\n{p}"));
     if let Some(v) = &o.verified {
         let margin = v.poles.iter().map(|p| -p[0]).fold(f64::INFINITY, f64::min);
@@ -159,10 +164,65 @@ fn goal(o: &DesignOutcome) -> String {
 }
 
 fn claims(o: &DesignOutcome) -> String {
-    let mut rows = Table::new(&["<claimed and recomputed", "value", "<unit"]);
-    for (name, value) in o.claimed.iter() {
-        let (words, unit) = o.claim_words(name);
-        rows.row([words, number(*value), unit]);
+    let mut rows = Table::new(&["<what is claimed", "claimed", "in the loop", "<unit"]);
+    for r in o.claim_rows() {
+        let shown = |v: f64| if r.is_count { format!("{v:.0}") } else { number(v) };
+        rows.row([
+            r.words.clone(),
+            shown(r.claimed),
+            r.recomputed.map(shown).unwrap_or_default(),
+            r.unit.clone(),
+        ]);
+    }
+    if rows.is_empty() { String::new() } else { rows.text() }
+}
+
+/// Vehicles of a range, so many at most: the page has all.
+const MOST_VERTICES: usize = 9;
+
+/// Numbers of the vehicles first: their fields do not fit beside numbers.
+fn vertices(o: &DesignOutcome) -> String {
+    let shown = |v: Option<f64>| v.map(number).unwrap_or_default();
+    let tables = o.vertex_tables();
+    let Some(first) = tables.first() else { return String::new() };
+    let many = first.rows.len();
+    let mut text = "vehicles of the range\n".to_owned();
+    for (k, r) in first.rows.iter().enumerate().take(MOST_VERTICES) {
+        text += &wrapped(&format!("  {}: {}", k + 1, r.place));
+    }
+    if many > MOST_VERTICES {
+        let _ = writeln!(text, "  and {} more (-o has them)", many - MOST_VERTICES);
+    }
+    for t in tables {
+        let unit = if t.unit.is_empty() { String::new() } else { format!(", {}", t.unit) };
+        let mut rows = Table::new(&[&format!("<{}{unit}", t.quantity), "passive", "nominal", "robust"]);
+        for (k, r) in t.rows.iter().enumerate().take(MOST_VERTICES) {
+            rows.row([format!("  {}", k + 1), shown(r.passive), shown(r.nominal), shown(r.robust)]);
+        }
+        text += &rows.text();
+    }
+    text
+}
+
+fn truncated(o: &DesignOutcome) -> String {
+    let shown = |v: Option<f64>| v.map(number).unwrap_or_default();
+    let mut rows = Table::new(&["states", "<loop", "goal", "largest gain over its bound"]);
+    for r in o.truncated_rows() {
+        let stable = if r.stable { "stable" } else { "not stable" };
+        rows.row([r.order.to_string(), stable.to_owned(), shown(r.objective), shown(r.over_bound)]);
+    }
+    if rows.is_empty() { String::new() } else { rows.text() }
+}
+
+/// A gain without states.
+fn gains(o: &DesignOutcome) -> String {
+    let names = o.controller.as_ref().map(|k| k.outputs.clone()).unwrap_or_default();
+    let mut head = vec!["<gain from", "<unit"];
+    head.extend(names.iter().map(String::as_str));
+    let mut rows = Table::new(&head);
+    for r in o.gain_rows() {
+        let values = r.values.iter().map(|v| number(*v));
+        rows.row([r.name.to_owned(), r.unit.clone()].into_iter().chain(values));
     }
     if rows.is_empty() { String::new() } else { rows.text() }
 }

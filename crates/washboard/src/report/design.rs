@@ -1,7 +1,7 @@
 //! The page of a design: what it buys, its certificate, gains over frequency, poles, and the controller.
 
 use super::design_gains::gains;
-use super::design_tables::{certificate, controller, goal, poles, ride};
+use super::design_tables::{certificate, controller, goal, poles, ride, truncated, vertices};
 use super::html::{Html, classed, element, note, paragraph};
 use super::numbers::significant;
 use super::page::{Page, Section};
@@ -15,8 +15,10 @@ const SECTIONS: &[(&str, &str, Draw)] = &[
     ("ride", "What it buys", |o, _| o.verified.as_ref().and_then(|_| ride(o))),
     ("passive", "The vehicle without control", |o, _| o.no_loop().and_then(|_| ride(o))),
     ("goal", "The goal", |o, _| goal(o)),
+    ("vertices", "Every vehicle of the range", |o, _| vertices(o)),
     ("gains", "Gains over frequency", gains),
     ("certificate", "Claimed and recomputed", |o, _| certificate(o)),
+    ("truncated", "Fewer states", |o, _| truncated(o)),
     ("poles", "Poles", |o, _| poles(o)),
     ("controller", "The controller", |o, _| controller(o)),
 ];
@@ -39,8 +41,9 @@ pub fn design_page(outcome: &DesignOutcome, title: &str) -> String {
 
 fn subtitle(o: &DesignOutcome) -> Html {
     let d = &o.design;
-    paragraph(format!("{} · {} · {} m/s", d.vehicle, d.road, significant(d.speed_m_s, 4)))
-        .and(paragraph(format!("method {} · measuring {}", d.method.name(), d.measurements.join(", "))))
+    paragraph(format!("{} · {} · {} m/s", d.vehicle, d.road, significant(d.speed_m_s, 4))).and(paragraph(
+        format!("method {} · {} {}", d.method.name(), o.measures_words(), d.measurements.join(", ")),
+    ))
 }
 
 fn headline(o: &DesignOutcome) -> Html {

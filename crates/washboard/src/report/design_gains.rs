@@ -10,7 +10,10 @@ pub(super) fn gains(o: &DesignOutcome, plots: &mut Plots) -> Option<Html> {
     let goals = o.design.weights().unwrap_or_default();
     let rows = o.rows();
     let first = |r: &&ResponseRow<'_>| {
-        goals.get(r.name).is_some() || (r.group == ResponseGroup::Force && r.corner_of.is_none())
+        let bounds = [&o.design.goal.bound, &o.design.goal.bound_hinf, &o.design.goal.minimize_hinf];
+        goals.get(r.name).is_some()
+            || (o.design.method.is_by_inequalities() && bounds.iter().any(|b| b.get(r.name).is_some()))
+            || (r.group == ResponseGroup::Force && r.corner_of.is_none())
     };
     let (asked, others): (Vec<&ResponseRow<'_>>, Vec<_>) = rows.iter().partition(first);
     let asked = grid(o, &asked, plots)?;

@@ -3,7 +3,9 @@
 use super::design::capital;
 use super::html::{Html, element, note, paragraph, table};
 use super::numbers::{fixed, signed, significant};
-use crate::study::{DesignOutcome, Measured, ResponseGroup, ResponseRow, Rms};
+use crate::study::{
+    ClaimRow, DesignOutcome, Measured, ResponseGroup, ResponseRow, Rms, TruncatedRow, VertexRow, VertexTable,
+};
 
 /// More poles than these are shown on demand.
 const MANY_POLES: usize = 16;
@@ -92,14 +94,53 @@ pub(super) fn goal(o: &DesignOutcome) -> Option<Html> {
 
 /// What the synthesis claims and what the loop shows.
 pub(super) fn certificate(o: &DesignOutcome) -> Option<Html> {
-    let row = |(name, v): (&str, &f64)| {
-        let (words, unit) = o.claim_words(name);
-        let value = [significant(*v, 7), unit].join(" ");
-        vec![capital(&words).into(), value.trim_end().into()]
+    let rows = o.claim_rows();
+    let both = rows.iter().any(|r| r.recomputed.is_some());
+    let row = |r: &ClaimRow| {
+        let shown = |v: f64| if r.is_count { format!("{v:.0}") } else { significant(v, 6) };
+        let mut cells: Vec<Html> =
+            vec![capital(&r.words).into(), r.unit.as_str().into(), shown(r.claimed).into()];
+        if both {
+            cells.push(r.recomputed.map_or_else(Html::default, |v| shown(v).into()));
+        }
+        cells
     };
-    let rows: Vec<Vec<Html>> = o.claimed.iter().map(row).collect();
-    (!rows.is_empty())
-        .then(|| table("what is claimed, and what the loop itself shows", &["number", "#value"], rows))
+    let head = ["number", "unit", "#claimed", "#from vehicle and controller alone"];
+    let body = rows.iter().map(row).collect();
+    let caption = if o.vertices.is_empty() {
+        "what is claimed, and what the loop itself shows"
+    } else {
+        "what is claimed of the whole range, and what the loop of its worst corner shows"
+    };
+    (!rows.is_empty()).then(|| table(caption, &head[..if both { 4 } else { 3 }], body))
+}
+
+/// Each vehicle of a range, passive, with the gain of the one as stated, with the robust one.
+pub(super) fn vertices(o: &DesignOutcome) -> Option<Html> {
+    let shown = |v: Option<f64>| v.map_or_else(|| "–".into(), |v| Html::from(significant(v, 4)));
+    let one = |t: &VertexTable| {
+        let row = |r: &VertexRow| {
+            vec![r.place.as_str().into(), shown(r.passive), shown(r.nominal), shown(r.robust)]
+        };
+        let unit = if t.unit.is_empty() { String::new() } else { format!(", {}", t.unit) };
+        let head = ["vehicle", "#passive", "#gain for the vehicle as stated", "#robust gain"];
+        table(&format!("{}{unit}", t.quantity), &head, t.rows.iter().map(row).collect())
+    };
+    let tables = o.vertex_tables();
+    (!tables.is_empty()).then(|| tables.iter().map(one).collect())
+}
+
+/// The controller with fewer states.
+pub(super) fn truncated(o: &DesignOutcome) -> Option<Html> {
+    let rows = o.truncated_rows();
+    let shown = |v: Option<f64>| v.map_or_else(|| "–".into(), |v| Html::from(significant(v, 4)));
+    let row = |r: &TruncatedRow| {
+        let stable = if r.stable { "stable" } else { "not stable" };
+        vec![r.order.to_string().into(), stable.into(), shown(r.objective), shown(r.over_bound)]
+    };
+    let head = ["#states", "its loop", "#goal", "#largest gain over its bound"];
+    let body: Vec<Vec<Html>> = rows.iter().map(row).collect();
+    (!body.is_empty()).then(|| table("balanced truncations, each in a loop of its own", &head, body))
 }
 
 /// Poles with Im ≥ 0.
@@ -149,6 +190,21 @@ pub(super) fn controller(o: &DesignOutcome) -> Option<Html> {
     };
     let measures: Vec<String> = k.inputs.iter().map(with_unit).collect();
     let names = format!("Measures {}; drives {}, in N.", measures.join(", "), k.outputs.join(", "));
+    let gains = o.gain_rows();
+    if !gains.is_empty() {
+        let row = |r: &crate::study::GainRow<'_>| {
+            let values = r.values.iter().map(|v| significant(*v, 6).into());
+            [Html::from(r.name), r.unit.as_str().into()].into_iter().chain(values).collect()
+        };
+        let actuators: Vec<String> = k.outputs.iter().map(|u| format!("#{u}")).collect();
+        let head: Vec<&str> =
+            ["state", "unit"].into_iter().chain(actuators.iter().map(String::as_str)).collect();
+        return Some(paragraph(names).and(table(
+            "the gain K of u = K y",
+            &head,
+            gains.iter().map(row).collect(),
+        )));
+    }
     let matrices = matrix("A", &k.a).and(matrix("B", &k.b)).and(matrix("C", &k.c)).and(matrix("D", &k.d));
     let summary = element("summary", &[], "Its matrices: K = C(sI − A)⁻¹B + D");
     Some(paragraph(names).and(element("details", &[], summary.and(matrices))))

@@ -61,7 +61,8 @@ pub(super) fn control(vehicle: &Vehicle, path: &Path) -> Result<(Control, Input)
     Ok((control, input))
 }
 
-/// The files of a design beside its `result.json`: controller.json, controller.mat and, with a step, controller.h.
+/// The files of a design beside its `result.json`: controller.json, controller.mat, those of the nominal and of the truncated
+/// controllers and, with a step, controller.h.
 ///
 /// # Errors
 /// A step that makes no discrete controller.
@@ -70,12 +71,18 @@ pub fn controller_files(outcome: &DesignOutcome) -> Result<Vec<(String, Vec<u8>)
     let fail =
         |e: LtiError| StudyError::Design { name: outcome.design.vehicle.clone(), source: Box::new(e.into()) };
     let k = file.state_space().map_err(fail)?;
-    let mut json = serde_json::to_string_pretty(file).unwrap_or_default();
-    json.push('\n');
+    let json =
+        |file: &ControllerFile| (serde_json::to_string_pretty(file).unwrap_or_default() + "\n").into_bytes();
     let mut files = vec![
-        ("controller.json".to_owned(), json.into_bytes()),
+        ("controller.json".to_owned(), json(file)),
         ("controller.mat".to_owned(), mat5(&[("A", k.a()), ("B", k.b()), ("C", k.c()), ("D", k.d())])),
     ];
+    if let Some(nominal) = &outcome.nominal {
+        files.push(("controller-nominal.json".to_owned(), json(nominal)));
+    }
+    for t in &outcome.truncated {
+        files.push((format!("controller-order-{}.json", t.order), json(&t.controller)));
+    }
     if let Some(discretize) = outcome.design.discretize {
         let discrete = match discretize.rule {
             DiscretizeRule::Tustin => k.tustin(discretize.dt_s),

@@ -2,9 +2,11 @@
 
 use super::design_methods::{by_hinf, by_limit, by_lqg};
 use super::design_outcome::{ControllerFile, DesignOutcome, DesignStatus, Gains, Measured};
-use super::design_problem::{Norm, Problem};
+use super::design_problem::{GoalBlock, Norm, Problem};
 use super::{DesignMethod, DesignSpec, Flag, Input, Named, StudyError};
-use super::{design_interpolation, design_warnings, design_words};
+use super::{
+    design_interpolation, design_mixed, design_robust, design_truncated, design_warnings, design_words,
+};
 use crate::lti::{Continuous, StateSpace};
 use crate::synthesis::SynthesisError;
 
@@ -20,14 +22,26 @@ pub fn design(spec: &DesignSpec) -> Result<(DesignOutcome, Vec<Input>), StudyErr
     if spec.method == DesignMethod::Interpolation {
         design_interpolation::check(&problem)?;
     }
+    let robust = match spec.method {
+        DesignMethod::RobustStateFeedback => Some(design_robust::Family::new(&problem)?),
+        _ => None,
+    };
+    let alone = match spec.method {
+        DesignMethod::MixedH2Hinf => Some(problem.at(&[])?),
+        _ => None,
+    };
     let mut outcome = DesignOutcome {
         status: DesignStatus::Designed,
         why: None,
-        design: spec.clone(),
+        design: DesignSpec { measurements: problem.asked_measurements(), ..spec.clone() },
         controller: None,
         order: None,
         claimed: Named::default(),
         verified: None,
+        feasible_bound: Named::default(),
+        vertices: Vec::new(),
+        nominal: None,
+        truncated: Vec::new(),
         passive: problem.measure(None)?,
         objective: Named::default(),
         warnings: Vec::new(),
@@ -39,11 +53,21 @@ pub fn design(spec: &DesignSpec) -> Result<(DesignOutcome, Vec<Input>), StudyErr
     let goal = problem
         .weighted()
         .map_err(|e| StudyError::Design { name: spec.vehicle.clone(), source: Box::new(e.into()) })?;
-    outcome.objective.insert("passive", objective(&problem, norm, &outcome.passive));
+    if problem.has_objective() {
+        outcome.objective.insert("passive", objective(&problem, &outcome.passive));
+    }
     let found = match spec.method {
         DesignMethod::Lqg => by_lqg(&problem, &goal, &mut outcome),
         DesignMethod::Interpolation => design_interpolation::by_interpolation(&problem, &mut outcome),
         DesignMethod::Hinf => by_hinf(&problem, &goal, &mut outcome),
+        DesignMethod::MixedH2Hinf => match &alone {
+            Some(alone) => design_mixed::by_mixed(&problem, alone, &mut outcome),
+            None => Ok(None),
+        },
+        DesignMethod::RobustStateFeedback => match &robust {
+            Some(family) => design_robust::by_robust(&problem, family, &mut outcome),
+            None => Ok(None),
+        },
         DesignMethod::H2Limit => by_limit(&problem, &goal, &mut outcome).map(|()| None),
     };
     let controller = match found {
@@ -55,9 +79,16 @@ pub fn design(spec: &DesignSpec) -> Result<(DesignOutcome, Vec<Input>), StudyErr
         }
     };
     if let Some(k) = &controller {
-        finish(&problem, norm, k, &mut outcome)?;
+        finish(&problem, k, &mut outcome)?;
     }
-    outcome.gains = problem.gains(controller.as_ref())?;
+    let kept = controller.as_ref().filter(|_| outcome.status == DesignStatus::Designed);
+    if let (Some(family), Some(k)) = (&robust, kept) {
+        family.measure(k, &mut outcome)?;
+    }
+    if let (Some(alone), Some(k)) = (&alone, kept) {
+        design_truncated::truncate(alone, k, &mut outcome)?;
+    }
+    outcome.gains = problem.gains(kept)?;
     Ok((outcome, problem.inputs))
 }
 
@@ -76,24 +107,42 @@ fn status_of(e: &SynthesisError, passive_is_stable: bool) -> DesignStatus {
 /// Measures the loop, warns of what became worse.
 fn finish(
     problem: &Problem,
-    norm: Norm,
     k: &StateSpace<Continuous>,
     outcome: &mut DesignOutcome,
 ) -> Result<(), StudyError> {
     let mut measured = problem.measure(Some(k))?;
+    if !measured.stable {
+        // of a robust gain, whose range need not hold the vehicle as stated
+        let slowest = measured.poles.iter().map(|p| p[0]).fold(f64::NEG_INFINITY, f64::max);
+        outcome.status = DesignStatus::Refused;
+        outcome.why = Some(format!(
+            "the loop with the vehicle as stated is not stable (a pole with real part {}): put it into the range, or state one that is \
+             in it (override)",
+            design_words::short(slowest)
+        ));
+        return Ok(());
+    }
     if problem.spec.method == DesignMethod::Lqg {
         measured.rms_with_noise = design_warnings::with_noise(problem, k, &measured)?;
         outcome.warnings.extend(design_warnings::louder(problem, &outcome.passive, &measured));
     }
-    outcome.objective.insert("verified", objective(problem, norm, &measured));
+    if problem.has_objective() {
+        outcome.objective.insert("verified", objective(problem, &measured));
+    }
     outcome.warnings.extend(design_warnings::worse(problem, &outcome.passive, &measured));
+    if problem.spec.method.is_by_inequalities() {
+        outcome.warnings.extend(design_warnings::paces(&outcome.passive, &measured));
+    }
     let (before, after) = (outcome.objective.get("passive"), outcome.objective.get("verified"));
     if let (Some(before), Some(after)) = (before, after)
         && after > before
     {
-        let text = format!(
-            "the goal itself is worse than passive ({after:.4} against {before:.4}): noise and weighted controls outweigh it"
-        );
+        let why = if problem.spec.method.is_by_inequalities() {
+            "bounds, poles or noise ask for that, or the promise is far above what is so"
+        } else {
+            "noise and weighted controls outweigh it"
+        };
+        let text = format!("the goal itself is worse than passive ({after:.4} against {before:.4}): {why}");
         outcome.warnings.push(Flag { name: "worse-goal".into(), text });
     }
     for (name, rms) in measured.rms.iter().filter(|(name, _)| name.starts_with("actuator_force")) {
@@ -110,21 +159,18 @@ fn finish(
     Ok(())
 }
 
-/// Σ(wᵢ‖Tᵢ‖₂/‖Gᵢ‖₂)², or max wᵢ‖Tᵢ‖∞/‖Gᵢ‖∞.
-fn objective(problem: &Problem, norm: Norm, measured: &Measured) -> f64 {
-    let terms = problem.goals.iter().map(|g| {
-        let value = match norm {
-            Norm::H2 => measured.h2.get(&g.name).and_then(|r| r.finite()),
-            Norm::Hinf => measured.hinf.get(&g.name).copied(),
-        };
-        g.weight * value.unwrap_or(f64::INFINITY) / g.passive
-    });
-    match norm {
-        // the weighted force belongs to the cost
-        Norm::H2 => {
-            let force = measured.h2.get("actuator_force").and_then(|r| r.finite()).unwrap_or(0.0);
-            terms.map(|t| t * t).sum::<f64>() + problem.spec.input_weight * force * force
-        }
-        Norm::Hinf => terms.fold(0.0, f64::max),
+/// Σ(wᵢ‖Tᵢ‖₂/‖Gᵢ‖₂)², and of the methods by inequalities Σ(wᵢ‖Tᵢ‖∞/‖Gᵢ‖∞)² too; or max wᵢ‖Tᵢ‖∞/‖Gᵢ‖∞.
+pub(super) fn objective(problem: &Problem, measured: &Measured) -> f64 {
+    let hinf = |name: &str| measured.hinf.get(name).copied().unwrap_or(f64::INFINITY);
+    if problem.spec.method == DesignMethod::Hinf {
+        return problem.goals.iter().map(|g| g.weight * hinf(&g.name) / g.passive).fold(0.0, f64::max);
     }
+    let h2 = |name: &str| measured.h2.get(name).and_then(|r| r.finite());
+    let squared = |g: &GoalBlock| (g.weight * h2(&g.name).unwrap_or(f64::INFINITY) / g.passive).powi(2);
+    let peaks = problem.peaks.iter().filter(|p| p.block.weight > 0.0).map(|p| &p.block);
+    // the weighted force belongs to the cost
+    let force = h2("actuator_force").unwrap_or(0.0);
+    problem.goals.iter().map(squared).sum::<f64>()
+        + peaks.map(|b| (b.weight * hinf(&b.name) / b.passive).powi(2)).sum::<f64>()
+        + problem.spec.input_weight * force * force
 }

@@ -26,6 +26,18 @@ pub struct DesignOutcome {
     /// Recomputed from vehicle and controller alone.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub verified: Option<Measured>,
+    /// Where the bounds cannot be met: the smallest that can, multiples of the passive norms, all raised by one factor.
+    #[serde(default, skip_serializing_if = "Named::is_empty")]
+    pub feasible_bound: Named<f64>,
+    /// The vehicles that a robust gain is for, and the middle of their range.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub vertices: Vec<DesignVertex>,
+    /// The gain of the vehicle as stated alone, beside the robust one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub nominal: Option<ControllerFile>,
+    /// The controller with fewer states.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub truncated: Vec<TruncatedController>,
     /// The vehicle without control.
     pub passive: Measured,
     /// The value of the goal: 1 or the like for the passive vehicle, smaller is better.
@@ -77,6 +89,40 @@ pub struct Measured {
     /// rms with the sensors' noise (`lqg`).
     #[serde(default, skip_serializing_if = "Named::is_empty")]
     pub rms_with_noise: Named<Rms>,
+}
+
+/// One vehicle of a range; outputs of the goal alone.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct DesignVertex {
+    /// Its fields that differ.
+    pub at: Named<f64>,
+    /// Whether the design is for it; false of a middle, which is only looked at.
+    pub corner: bool,
+    /// Without control.
+    pub passive: Measured,
+    /// With the robust gain.
+    pub closed: Measured,
+    /// With the gain of the vehicle as stated.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub nominal: Option<Measured>,
+    /// The goal's value: `passive`, `closed`, `nominal`.
+    pub objective: Named<f64>,
+}
+
+/// A controller with states left out, in its loop.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct TruncatedController {
+    /// States left.
+    pub order: usize,
+    /// The difference to the whole controller's stable part has at most this H∞ norm, N per unit.
+    pub error_bound: f64,
+    /// The goal's value; none where the loop is not stable.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub objective: Option<f64>,
+    /// Its loop; outputs of the goal alone.
+    pub verified: Measured,
+    /// Its matrices.
+    pub controller: ControllerFile,
 }
 
 /// Largest singular values over frequency.

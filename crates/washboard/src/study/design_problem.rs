@@ -3,16 +3,20 @@
 pub(super) use super::design_measure::Norm;
 use super::design_measure::floor;
 use super::design_outputs::{finite, once, outputs, settles, settling, shown};
+use super::design_states::states;
 use super::ground::{Ground, ground};
 use super::{DesignMethod, DesignSpec, Named, StudyError, load_vehicle};
 use crate::lti::{GeneralizedPlant, LtiError};
 use crate::vehicle::{Output, PlantSettings, Vehicle, VehicleSpec};
 
 /// A design made ready.
+#[derive(Clone)]
 pub(super) struct Problem {
     pub spec: DesignSpec,
     /// The vehicle's file, overrides in it.
     pub file: VehicleSpec,
+    /// What a cabin stands on.
+    pub chassis: Option<VehicleSpec>,
     pub vehicle: Vehicle,
     pub ground: Ground,
     /// Outputs with a finite response, all of the vehicle's: what is reported.
@@ -20,17 +24,30 @@ pub(super) struct Problem {
     pub measurements: Vec<Output>,
     /// Blocks of outputs that are minimised: name, members among `reported`, the weight, the passive norm of the block.
     pub goals: Vec<GoalBlock>,
+    /// H∞ norms of the methods by inequalities.
+    pub peaks: Vec<PeakBlock>,
+    /// H2 norms that are bounded.
+    pub bounded: Vec<GoalBlock>,
     /// Performances `reported`, measurements.
     pub plant: GeneralizedPlant,
     pub inputs: Vec<super::Input>,
 }
 
-/// A stacked vector, or one output.
+/// A stacked vector, or one output, and its weight or bound.
+#[derive(Clone)]
 pub(super) struct GoalBlock {
     pub name: String,
     pub members: Vec<usize>,
     pub weight: f64,
     pub passive: f64,
+}
+
+/// The same of an H∞ norm, with its bound.
+#[derive(Clone)]
+pub(super) struct PeakBlock {
+    pub block: GoalBlock,
+    /// As a multiple of the passive norm.
+    pub bound: Option<f64>,
 }
 
 impl Problem {
@@ -45,6 +62,14 @@ impl Problem {
             });
         }
         let weights = spec.weights()?;
+        let peaks = spec.hinf_parts()?;
+        if weights.is_empty() && peaks.is_empty() && spec.goal.bound_h2.is_empty() && spec.poles.is_none() {
+            return Err(StudyError::Setting {
+                field: "goal.minimize",
+                expected: "outputs and their weights, bounds, or poles".into(),
+                found: "none".into(),
+            });
+        }
         let of_file = |source| StudyError::Vehicle { name: spec.vehicle.clone(), source };
         let build = |more: &Named<f64>| -> Result<Vehicle, StudyError> {
             let all: Vec<(String, f64)> =
@@ -67,8 +92,11 @@ impl Problem {
         let design_error =
             |e: LtiError| StudyError::Design { name: spec.vehicle.clone(), source: Box::new(e.into()) };
         let plant_error = |source| StudyError::Plant { name: spec.vehicle.clone(), source: Box::new(source) };
-        let measurements = outputs(&vehicle, &spec.measurements, "measurements")?;
+        let mut measurements = outputs(&vehicle, &spec.measurements, "measurements")?;
         once(&vehicle, &spec.measurements)?;
+        if measurements.is_empty() && spec.method == DesignMethod::RobustStateFeedback {
+            measurements = states(&vehicle, &settings).map_err(plant_error)?;
+        }
         if measurements.is_empty() {
             return Err(StudyError::Setting {
                 field: "measurements",
@@ -76,8 +104,28 @@ impl Problem {
                 found: "none".into(),
             });
         }
-        let names: Vec<String> = weights.iter().map(|(n, _)| n.to_owned()).collect();
-        let wanted = outputs(&vehicle, &names, "goal.minimize")?;
+        let groups = &spec.goal.groups;
+        if let Some((name, _)) = groups
+            .iter()
+            .find(|(name, _)| vehicle.outputs().iter().any(|o| o.name == *name || o.base == *name))
+        {
+            return Err(StudyError::Setting {
+                field: "goal.groups",
+                expected: "names that are not outputs of the vehicle".into(),
+                found: format!("`{name}`"),
+            });
+        }
+        let members_of =
+            |names: &[&str]| names.iter().flat_map(|n| spec.members_of(n)).collect::<Vec<String>>();
+        let squared: Vec<&str> = weights.iter().chain(spec.goal.bound_h2.iter()).map(|(n, _)| n).collect();
+        let bounded: Vec<&str> = peaks.iter().map(|p| p.name.as_str()).collect();
+        let in_h2 = outputs(&vehicle, &members_of(&squared), "goal.minimize")?;
+        let in_hinf = outputs(&vehicle, &members_of(&bounded), "goal.bound")?;
+        let in_groups: Vec<&str> = groups.iter().map(|(n, _)| n).collect();
+        outputs(&vehicle, &members_of(&in_groups), "goal.groups")?;
+        let mut wanted = in_h2.clone();
+        wanted.extend(in_hinf.into_iter().filter(|o| !in_h2.contains(o)));
+        let names: Vec<String> = members_of(&squared.iter().chain(&bounded).copied().collect::<Vec<_>>());
         // a wanted output that can't be a performance is an error; of the others, those that can be are shown
         let y: Vec<&Output> = measurements.iter().collect();
         vehicle.plant(&wanted.iter().collect::<Vec<_>>(), &y, &settings).map_err(plant_error)?;
@@ -115,77 +163,57 @@ impl Problem {
         if !reference.is_stable().map_err(design_error)? {
             settling(spec, &names.iter().map(String::as_str).collect::<Vec<_>>())?;
         }
-        if norm == Norm::H2 {
+        if norm == Norm::H2 && !in_h2.is_empty() {
             finite(
                 spec,
-                &wanted,
-                &vehicle.plant(&wanted.iter().collect::<Vec<_>>(), &[], &settings).map_err(plant_error)?,
+                &in_h2,
+                &vehicle.plant(&in_h2.iter().collect::<Vec<_>>(), &[], &settings).map_err(plant_error)?,
             )?;
         }
-        let mut goals = Vec::new();
-        for (name, weight) in weights.iter() {
+        let block = |field, name: &str, weight: f64, norm: Norm| -> Result<GoalBlock, StudyError> {
+            let own = spec.members_of(name);
             let members: Vec<usize> = (0..reported.len())
-                .filter(|i| reported[*i].name == name || reported[*i].base == name)
+                .filter(|i| own.contains(&reported[*i].name) || own.contains(&reported[*i].base))
                 .collect();
             let passive = norm.of(&reference, &members).map_err(design_error)?;
-            if !(passive > floor(&reported, &reference, name)) {
+            let still = own.iter().map(|n| floor(&reported, &reference, n)).fold(0.0, f64::max);
+            if !(passive > still) {
                 return Err(StudyError::Setting {
-                    field: "goal.minimize",
+                    field,
                     expected:
                         "outputs that this road moves (with coherence full, left and right tracks are alike)"
                             .into(),
                     found: format!("`{name}`, which stands still"),
                 });
             }
-            goals.push(GoalBlock { name: name.to_owned(), members, weight: *weight, passive });
-        }
+            Ok(GoalBlock { name: name.to_owned(), members, weight, passive })
+        };
+        let of_h2 = |field, named: &Named<f64>, norm| {
+            named.iter().map(|(name, v)| block(field, name, *v, norm)).collect::<Result<Vec<_>, _>>()
+        };
+        let goals = of_h2("goal.minimize", &weights, norm)?;
+        let bounded = of_h2("goal.bound_h2", &spec.goal.bound_h2, Norm::H2)?;
+        let peaks = peaks
+            .iter()
+            .map(|p| {
+                let block = block("goal.bound", &p.name, p.weight, Norm::Hinf)?;
+                Ok(PeakBlock { block, bound: p.bound })
+            })
+            .collect::<Result<Vec<_>, StudyError>>()?;
         let inputs = loaded.inputs.into_iter().chain(road_inputs).collect();
         Ok(Problem {
             spec: spec.clone(),
             file,
+            chassis: loaded.chassis,
             vehicle,
             ground,
             reported,
             measurements,
             goals,
+            peaks,
+            bounded,
             plant,
             inputs,
         })
-    }
-
-    /// The plant whose performances are the goals, weighted over their passive norms.
-    pub fn weighted(&self) -> Result<GeneralizedPlant, LtiError> {
-        let mut names: Vec<&str> = Vec::new();
-        let mut factors = Vec::new();
-        for goal in &self.goals {
-            for i in &goal.members {
-                names.push(&self.reported[*i].name);
-                factors.push(goal.weight / goal.passive);
-            }
-        }
-        let y: Vec<&str> = self.measurements.iter().map(|o| o.name.as_str()).collect();
-        self.plant.select(&names, &y)?.with_weights(&factors)
-    }
-
-    /// Stacked vectors and single outputs, in the vehicle's order.
-    pub fn blocks(&self) -> Vec<(String, Vec<usize>)> {
-        let mut blocks: Vec<(String, Vec<usize>)> = Vec::new();
-        for (i, output) in self.reported.iter().enumerate() {
-            if output.base != output.name && !blocks.iter().any(|(n, _)| *n == output.base) {
-                let members = (0..self.reported.len()).filter(|k| self.reported[*k].base == output.base);
-                blocks.push((output.base.clone(), members.collect()));
-            }
-            blocks.push((output.name.clone(), vec![i]));
-        }
-        blocks
-    }
-
-    /// Units of stacked vectors and single outputs.
-    pub fn units(&self) -> Named<String> {
-        let unit = |(name, members): (String, Vec<usize>)| {
-            let unit = members.first().map_or("", |i| self.reported[*i].unit);
-            (name, unit.to_owned())
-        };
-        self.blocks().into_iter().map(unit).collect()
     }
 }

@@ -113,11 +113,15 @@ impl DesignOutcome {
         let names: Vec<&str> = self.passive.rms.iter().map(|(name, _)| name).collect();
         let is_corner_of =
             |name: &str, base: &str| name.strip_prefix(base).is_some_and(|rest| rest.starts_with('_'));
+        let groups = &self.design.goal.groups;
         let closed = self.verified.as_ref();
         let row = |name| ResponseRow {
-            group: ResponseGroup::of(name),
+            group: ResponseGroup::of(groups.get(name).and_then(|g| g.first()).map_or(name, String::as_str)),
             name,
-            corner_of: names.iter().copied().find(|base| is_corner_of(name, base)),
+            corner_of: names
+                .iter()
+                .copied()
+                .find(|base| groups.get(base).is_none() && is_corner_of(name, base)),
             unit: self.units.get(name).map_or("", String::as_str),
             rms: [self.passive.rms.get(name).copied(), closed.and_then(|c| c.rms.get(name)).copied()],
             peak: [self.passive.hinf.get(name).copied(), closed.and_then(|c| c.hinf.get(name)).copied()],

@@ -1,6 +1,7 @@
 //! What a design is told: a DESIGN.toml as data.
 
-use super::{Named, StudyError};
+use super::design_mixed_spec::{LyapunovScaleSpec, MixedSection, PolesSection};
+use super::{Goal, Named, StudyError};
 use crate::vehicle::Disturbance;
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
@@ -15,7 +16,9 @@ pub struct DesignSpec {
     pub road: String,
     /// Forward speed.
     pub speed_m_s: f64,
-    /// What the controller sees: outputs of the vehicle; a name without its corner means all corners.
+    /// What the controller sees: outputs of the vehicle; a name without its corner means all corners. Of
+    /// `robust-state-feedback` these are the states, chosen where none is given.
+    #[serde(default)]
     pub measurements: Vec<String>,
     /// How the controller is found.
     pub method: DesignMethod,
@@ -43,6 +46,24 @@ pub struct DesignSpec {
     /// What `interpolation` copies.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub interpolation: Option<InterpolationSection>,
+    /// Where the loop's poles are to be (`mixed-h2-hinf`, `robust-state-feedback`).
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub poles: Option<PolesSection>,
+    /// The free scale of the Lyapunov matrix that H2 and H∞ norms share.
+    #[serde(default, skip_serializing_if = "LyapunovScaleSpec::is_searched")]
+    pub lyapunov_scale: LyapunovScaleSpec,
+    /// Vehicle fields that are only known to lie between two values: one gain for all of them (`robust-state-feedback`).
+    #[serde(default, skip_serializing_if = "Named::is_empty")]
+    pub range: Named<[f64; 2]>,
+    /// Vehicle fields of further vehicles that the same gain is for.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub plant: Vec<Named<f64>>,
+    /// Orders to which the controller is truncated too, each in its own loop (`mixed-h2-hinf`).
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub truncate_to: Vec<usize>,
+    /// Noise and back-off of `mixed-h2-hinf`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub mixed: Option<MixedSection>,
     /// Step of the controller as it is written for use, s; none without it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub discretize: Option<Discretize>,
@@ -66,11 +87,21 @@ pub enum DesignMethod {
     H2Limit,
     /// The least H∞ norm of all weighted outputs together.
     Hinf,
+    /// Least H2 norms under bounds on H∞ norms and on poles, by matrix inequalities: output feedback of the plant's order.
+    MixedH2Hinf,
+    /// The same by one gain from the vehicle's states, for a range of vehicles.
+    RobustStateFeedback,
     /// A quarter car's acceleration of an LQG design for a tire of more damping, interpolated on the real one.
     Interpolation,
 }
 
 impl DesignMethod {
+    /// Whether it is by matrix inequalities.
+    #[must_use]
+    pub fn is_by_inequalities(self) -> bool {
+        matches!(self, DesignMethod::MixedH2Hinf | DesignMethod::RobustStateFeedback)
+    }
+
     /// As it is written.
     #[must_use]
     pub fn name(self) -> &'static str {
@@ -78,6 +109,8 @@ impl DesignMethod {
             DesignMethod::Lqg => "lqg",
             DesignMethod::H2Limit => "h2-limit",
             DesignMethod::Hinf => "hinf",
+            DesignMethod::MixedH2Hinf => "mixed-h2-hinf",
+            DesignMethod::RobustStateFeedback => "robust-state-feedback",
             DesignMethod::Interpolation => "interpolation",
         }
     }
@@ -104,21 +137,6 @@ impl From<DesignDisturbance> for Disturbance {
             DesignDisturbance::RoadNoise => Disturbance::RoadNoise,
         }
     }
-}
-
-/// Outputs and their weights; a name without its corner is the stacked vector, with one joint norm.
-#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Goal {
-    /// In the method's own norm.
-    #[serde(default, skip_serializing_if = "Named::is_empty")]
-    pub minimize: Named<f64>,
-    /// In the H2 norm, said explicitly.
-    #[serde(default, skip_serializing_if = "Named::is_empty")]
-    pub minimize_h2: Named<f64>,
-    /// In the H∞ norm, said explicitly.
-    #[serde(default, skip_serializing_if = "Named::is_empty")]
-    pub minimize_hinf: Named<f64>,
 }
 
 /// Absolute intensities.
@@ -246,54 +264,6 @@ impl DesignSpec {
             let (field, expected) = ("discretize.dt_s", "1e-9 to 100 s".to_owned());
             return Err(StudyError::Setting { field, expected, found: format!("{:e}", d.dt_s) });
         }
-        Ok(())
-    }
-
-    /// The outputs that are to be small, in the method's norm.
-    ///
-    /// # Errors
-    /// None given, or given in a norm that the method does not minimise.
-    pub fn weights(&self) -> Result<Named<f64>, StudyError> {
-        let setting = |field, expected: &str, found: String| StudyError::Setting {
-            field,
-            expected: expected.to_owned(),
-            found,
-        };
-        let g = &self.goal;
-        if self.method == DesignMethod::Interpolation {
-            if !(g.minimize.is_empty() && g.minimize_h2.is_empty() && g.minimize_hinf.is_empty()) {
-                let expected = "nothing: interpolation copies an LQG design whose three outputs weigh alike";
-                return Err(setting("goal.minimize", expected, "weights".into()));
-            }
-            let all = ["sprung_acceleration", "suspension_travel", "tire_deflection"];
-            return Ok(all.iter().map(|n| ((*n).to_owned(), 1.0)).collect());
-        }
-        let (own, own_name, other, other_name) = match self.method {
-            DesignMethod::Lqg | DesignMethod::H2Limit | DesignMethod::Interpolation => {
-                (&g.minimize_h2, "goal.minimize_h2", &g.minimize_hinf, "goal.minimize_hinf")
-            }
-            DesignMethod::Hinf => {
-                (&g.minimize_hinf, "goal.minimize_hinf", &g.minimize_h2, "goal.minimize_h2")
-            }
-        };
-        if !other.is_empty() {
-            let expected = format!("nothing: method {} minimises the other norm", self.method.name());
-            return Err(setting(other_name, &expected, "weights".into()));
-        }
-        let weights = match (g.minimize.is_empty(), own.is_empty()) {
-            (false, true) => &g.minimize,
-            (true, false) => own,
-            (true, true) => return Err(setting("goal.minimize", "outputs and their weights", "none".into())),
-            (false, false) => return Err(setting(own_name, "either this or goal.minimize", "both".into())),
-        };
-        for (name, w) in weights.iter() {
-            if !(w.is_finite() && *w >= 0.0) {
-                return Err(setting("goal.minimize", "weights ≥ 0", format!("{name} = {w}")));
-            }
-        }
-        if !weights.iter().any(|(_, w)| *w > 0.0) {
-            return Err(setting("goal.minimize", "a weight above 0", "none".into()));
-        }
-        Ok(weights.clone())
+        self.check_inequalities()
     }
 }

@@ -9,6 +9,8 @@ use crate::synthesis::SynthesisError;
 
 /// A response that is so many times the passive one at its worst is worth a warning.
 const WORSE_PEAK: f64 = 3.0;
+/// A mode slower than the vehicle's slowest, or faster than its fastest, by this factor is worth a warning.
+const PACE: f64 = 100.0;
 /// An output that becomes worse by more than this share is worth a warning.
 const WORSE_RMS: f64 = 0.1;
 
@@ -43,6 +45,34 @@ pub(super) fn sampled_loop(
             pole.norm()
         ),
     }))
+}
+
+/// Warnings where the loop has poles far slower or faster than any of the vehicle.
+pub(super) fn paces(passive: &Measured, closed: &Measured) -> Vec<Flag> {
+    let slowest = |m: &Measured| m.poles.iter().map(|p| -p[0]).fold(f64::INFINITY, f64::min);
+    let fastest = |m: &Measured| m.poles.iter().map(|p| p[0].hypot(p[1])).fold(0.0, f64::max);
+    let flag = |name: &str, text: String| Flag { name: name.into(), text };
+    let (before, after) = (slowest(passive), slowest(closed));
+    let slow = (passive.stable && after < before / PACE).then(|| {
+        let text = format!(
+            "the loop has a mode that decays at {} 1/s, where the vehicle's slowest decays at {}: drifts and offsets stay for long; ask \
+             for poles = {{ max_real_rad_s = … }}",
+            short(after),
+            short(before)
+        );
+        flag("slow-loop", text)
+    });
+    let (before, after) = (fastest(passive), fastest(closed));
+    let fast = (after > PACE * before).then(|| {
+        let text = format!(
+            "the loop has a pole at {} rad/s, where the vehicle's fastest is at {}: no actuator follows; ask for poles = {{ max_abs_rad_s \
+             = … }}, or weight the control (input_weight)",
+            short(after),
+            short(before)
+        );
+        flag("fast-loop", text)
+    });
+    slow.into_iter().chain(fast).collect()
 }
 
 /// The rms of road and sensors' noise together, where both are finite.

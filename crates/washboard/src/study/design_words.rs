@@ -18,12 +18,22 @@ impl DesignOutcome {
     pub fn verdict(&self) -> String {
         match self.status {
             DesignStatus::Designed => {
+                if self.order == Some(0) {
+                    let of = if self.vertices.is_empty() { "" } else { ", for the whole range" };
+                    return format!(
+                        "a gain from {} states, confirmed by its loop{of}",
+                        self.design.measurements.len()
+                    );
+                }
                 let price = if self.warnings.is_empty() { "" } else { ", with a price" };
                 format!("a controller of order {}, confirmed by its loop{price}", self.order.unwrap_or(0))
             }
             DesignStatus::Limit => "what no controller can beat".to_owned(),
             DesignStatus::Infeasible => "what is asked cannot be had, so there is no controller".to_owned(),
             DesignStatus::Stalled => "the method did not find a controller".to_owned(),
+            DesignStatus::Refused if self.design.method.is_by_inequalities() => {
+                "a controller was found, but it is not what is asked".to_owned()
+            }
             DesignStatus::Refused => "a controller was found, but its loop contradicts its claim".to_owned(),
         }
     }
@@ -53,6 +63,7 @@ impl DesignOutcome {
     pub fn goal_words(&self) -> &'static str {
         match self.design.method {
             DesignMethod::Hinf => "largest of the weighted peak gains",
+            _ if !self.design.goal.minimize_hinf.is_empty() => "weighted norms, squared and summed",
             _ => "weighted H2 norms, squared and summed",
         }
     }
@@ -62,26 +73,39 @@ impl DesignOutcome {
     pub fn claim_words(&self, name: &str) -> (String, String) {
         let pure = |words: &str| (words.to_owned(), String::new());
         match name {
-            "h2_with_noise" => pure("H2 norm with sensor noise, from the Riccati equations"),
+            "h2_with_noise" => pure("H2 norm with sensor noise"),
             "h2_with_noise_recomputed" => pure("the same, from vehicle and controller alone"),
-            "control_riccati_residual" => pure("residual of the control Riccati equation, relative"),
-            "filter_riccati_residual" => pure("residual of the filter Riccati equation, relative"),
+            "control_riccati_residual" => pure("control Riccati equation's residual, relative"),
+            "filter_riccati_residual" => pure("filter Riccati equation's residual, relative"),
             "h2_limit" => pure("H2 norm that no controller beats"),
             "h2_limit_closed_form" => pure("the same, by inner and outer factors"),
-            "gamma" => pure("least H∞ norm of all weighted outputs together"),
-            "level" => pure("level that the controller was made for"),
+            "gamma" => pure("H∞ norm of all weighted outputs together"),
+            "level" => pure("level that it was made for"),
             "gamma_recomputed" => pure("H∞ norm, from vehicle and controller alone"),
             "match_error" => pure("error of the copied acceleration, relative"),
-            "tire_factor_at_wheel_hop" => {
-                pure("tire deflection at the hidden mode, over the copied design's")
-            }
-            other => match other.strip_prefix("rms_") {
-                Some(output) => {
-                    let unit = self.units.get(output).cloned().unwrap_or_default();
-                    (format!("rms of {output}, by the method's own formula"), unit)
+            "objective" => pure("the goal's value"),
+            "h2" => pure("H2 norm of all weighted outputs together"),
+            "back_off" => pure("given up for smaller gains, as a share"),
+            "optimum" => pure("least value by one Lyapunov matrix"),
+            "condition" => pure("condition of I − XY"),
+            "iterations" => pure("iterations of the solver"),
+            "iterations_double_double" => pure("iterations in double-double precision"),
+            "nominal_objective" => pure("the same, of the vehicle as stated alone"),
+            "fastest_controller_pole" => ("the controller's fastest pole".to_owned(), "rad/s".to_owned()),
+            "controller_gain" => ("the controller's largest gain".to_owned(), "N per unit".to_owned()),
+            "tire_factor_at_wheel_hop" => pure("tire at the hidden mode, over the copied design's"),
+            other => {
+                let unit = |output: &str| self.units.get(output).cloned().unwrap_or_default();
+                if let Some(output) = other.strip_prefix("rms_") {
+                    (format!("rms of {output} by formula"), unit(output))
+                } else if let Some(output) = other.strip_prefix("hinf_") {
+                    (format!("largest gain of {output}"), format!("{} per {}", unit(output), self.per()))
+                } else if let Some(output) = other.strip_prefix("lyapunov_scale_") {
+                    pure(&format!("Lyapunov scale of {output}"))
+                } else {
+                    pure(&other.replace('_', " "))
                 }
-                None => pure(&other.replace('_', " ")),
-            },
+            }
         }
     }
 }

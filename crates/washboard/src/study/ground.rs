@@ -7,7 +7,7 @@ use crate::road::{Excitation, MatrixFilter, Road};
 use crate::vehicle::{Model, Vehicle, VehicleError, VehicleSpec};
 
 /// A road that fits its vehicle.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub(super) struct Ground {
     standing: Standing,
     /// Band of the data that a filter was fitted to, at the speed driven.
@@ -18,7 +18,7 @@ pub(super) struct Ground {
     pub notes: Vec<Flag>,
 }
 
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 enum Standing {
     Road(Road),
     Points(MatrixFilter),

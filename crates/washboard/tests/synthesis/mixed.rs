@@ -144,6 +144,28 @@ fn the_quarter_cars_output_feedback_comes_near_its_state_feedback() {
     }
 }
 
+/// A gain from well inside is within its share of the least value and not the least one; where the solver passed no such
+/// point there is none.
+#[test]
+fn a_state_feedback_from_well_inside_gives_up_its_share() {
+    let car = quarter_car(50.0, &[0]);
+    let asked = goals(&car, 0.1, 1.0, FIXED);
+    let least = feedback(std::slice::from_ref(&car), &asked);
+    for share in [0.05, 0.2, 0.5] {
+        let settings = SdpSettings { interior_gap: Some(share), ..SdpSettings::default() };
+        match robust_state_feedback(std::slice::from_ref(&car), &asked, &settings).unwrap() {
+            MixedEnd::Found(inside) => {
+                let more = inside.claims.objective / least.claims.objective - 1.0;
+                println!("{share}: {more:e}");
+                assert!(more > 0.0 && more <= share && inside.gain != least.gain, "{share}: {more}");
+                assert!(inside.achieved[0].hinf[0] <= inside.claims.hinf[0]);
+            }
+            MixedEnd::Stalled(measures) => assert!(measures.worst() < 1e-7, "{share}"),
+            MixedEnd::Infeasible { .. } => panic!("{share}"),
+        }
+    }
+}
+
 /// Table 5.1, rms of white road velocity of intensity (2π n₀)²κv, κ = .76e-5 m³, n₀ = .15708 cycles/m, v = 20 m/s: one gain for c_t from 25 to 50, and the gain for c_t = 0, at c_t = 25, 35, 50. Of the
 /// robust gain the printed accelerations .4881, .4856, .4818 are a little worse than the optimum of the stated problem.
 #[test]

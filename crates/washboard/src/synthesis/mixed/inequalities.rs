@@ -1,8 +1,10 @@
 //! The inequalities of H2 and H∞ norms, over the closed loop's matrices after whatever congruence makes them linear.
 
-use super::goals::LyapunovScale;
+use super::goals::{LyapunovScale, MixedGoals};
+use super::parts::Units;
+use super::state_feedback::MixedClaims;
 use crate::linalg::Mat;
-use crate::optimize::{Expr, Lmi, Variable};
+use crate::optimize::{Expr, Lmi, LmiSolution, Variable};
 
 /// Matrices of a closed loop, affine in the design's variables: 𝐗 and 𝐀, 𝐁, 𝐂, 𝐃 of one channel.
 pub(super) struct Closed {
@@ -58,6 +60,49 @@ pub(super) fn h2(lmi: &mut Lmi, of: &Closed, x: &Expr) -> Variable {
         Expr::symmetric(vec![vec![z.expr(), of.c.clone()], vec![x.clone()]]),
     );
     z
+}
+
+impl Level {
+    /// A level of a goal: a number where it is only bounded, else a variable that is minimised and perhaps bounded; the
+    /// objective with it.
+    pub fn of(
+        lmi: &mut Lmi,
+        units: &Units,
+        bound: Option<f64>,
+        weight: f64,
+        objective: Expr,
+    ) -> (Self, Expr) {
+        let bound = bound.map(|b| units.hinf(b).powi(2));
+        match bound {
+            Some(g) if weight == 0.0 => (Level::Number(g), objective),
+            bound => {
+                let g = lmi.scalar();
+                if let Some(b) = bound {
+                    lmi.positive("a bound on an H∞ norm", &Expr::identity(1, b) - &g.expr());
+                }
+                (Level::Free(g), objective + g.expr().scaled(weight * units.plain_hinf(1.0).powi(2)))
+            }
+        }
+    }
+}
+
+/// What a solution promises in the plant's units; `squared` is the bound on ‖T₂‖².
+pub(super) fn claims(
+    units: &Units,
+    goals: &MixedGoals,
+    levels: &[Level],
+    squared: Option<f64>,
+    scales: Vec<f64>,
+    s: &LmiSolution,
+) -> MixedClaims {
+    let level = |l: &Level| match l {
+        Level::Number(g) => *g,
+        Level::Free(g) => s.value(*g)[(0, 0)],
+    };
+    let hinf: Vec<f64> = levels.iter().map(|l| units.plain_hinf(level(l).max(0.0).sqrt())).collect();
+    let objective = goals.hinf.iter().zip(&hinf).map(|(g, v)| g.weight * v * v).sum::<f64>()
+        + goals.h2.as_ref().zip(squared).map_or(0.0, |(g, z)| g.weight * z);
+    MixedClaims { h2: squared.map(|z| z.max(0.0).sqrt()), hinf, objective, scales }
 }
 
 impl Scale {

@@ -2,7 +2,7 @@
 
 use super::feedthrough::feedthrough;
 use super::goals::{HinfGoal, LyapunovScale, MixedGoals};
-use super::inequalities::{Closed, Level, Scale, h2, hinf};
+use super::inequalities::{Closed, Level, Scale, claims, h2, hinf};
 use super::parts::{Channel, Parts, Units};
 use super::regions;
 use super::scale::search;
@@ -185,18 +185,8 @@ impl Program {
         let mut objective = Expr::zero(1, 1);
         let mut levels = Vec::new();
         for (goal, channel) in goals.hinf.iter().zip(&parts.hinf) {
-            let bound = goal.bound.map(|b| units.hinf(b).powi(2));
-            let level = match bound {
-                Some(g) if goal.weight == 0.0 => Level::Number(g),
-                bound => {
-                    let g = lmi.scalar();
-                    if let Some(b) = bound {
-                        lmi.positive("a bound on an H∞ norm", &Expr::identity(1, b) - &g.expr());
-                    }
-                    objective = objective + g.expr().scaled(goal.weight * units.plain_hinf(1.0).powi(2));
-                    Level::Free(g)
-                }
-            };
+            let (level, more) = Level::of(&mut lmi, units, goal.bound, goal.weight, objective);
+            objective = more;
             levels.push(level);
             hinf(&mut lmi, &closed(channel), &channel.b1, &channel.d11, Scale::Number(scale), level);
         }
@@ -266,28 +256,12 @@ impl Program {
         if !matrices.iter().all(|m| m.norm_max().is_finite()) {
             return None;
         }
-        let number = |v: Variable| s.value(v)[(0, 0)];
-        let hinf: Vec<f64> = self
-            .levels
-            .iter()
-            .map(|l| match l {
-                Level::Number(g) => *g,
-                Level::Free(g) => number(*g),
-            })
-            .map(|g| units.plain_hinf(g.max(0.0).sqrt()))
-            .collect();
         let squared = self.z.map(|z| {
             let z = s.value(z);
             (0..z.nrows()).map(|i| z[(i, i)]).sum::<f64>()
         });
-        let objective = goals.hinf.iter().zip(&hinf).map(|(g, v)| g.weight * v * v).sum::<f64>()
-            + goals.h2.as_ref().zip(squared).map_or(0.0, |(g, z)| g.weight * z);
-        let claims = MixedClaims {
-            h2: squared.map(|z| z.max(0.0).sqrt()),
-            scales: vec![self.scale; hinf.len()],
-            hinf,
-            objective,
-        };
+        let scales = vec![self.scale; self.levels.len()];
+        let claims = claims(units, goals, &self.levels, squared, scales, s);
         Some((matrices, claims, condition))
     }
 }

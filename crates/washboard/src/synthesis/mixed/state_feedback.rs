@@ -1,7 +1,7 @@
 //! One state feedback for all plants of a polytope: mixed H2/H∞ with pole regions.
 
 use super::goals::{LyapunovScale, MixedGoals};
-use super::inequalities::{Closed, Level, Scale, h2, hinf};
+use super::inequalities::{Closed, Level, Scale, claims, h2, hinf};
 use super::parts::{Channel, Parts, Units};
 use super::regions;
 use super::verify::{MixedAchieved, achieved, with_feedback};
@@ -60,7 +60,9 @@ pub struct StateFeedback {
 ///
 /// One X ≻ 0 and W = KX for all vertices: He(AX + B₂W) + … as of [`MixedGoals`]; what holds at the vertices holds in the
 /// polytope, and while the plant moves in it. The vertices share their numbers of states and signals; the controller sees
-/// all states. With bounds only on H∞ norms the scale of the common Lyapunov matrix is a variable of the program.
+/// all states. With bounds only on H∞ norms the scale of the common Lyapunov matrix is a variable of the program. With an
+/// `interior_gap` in the settings the gain is that of a point well inside, within that share of the least objective, and
+/// the end is [`MixedEnd::Stalled`] where the solver passed none: `back_off` of the goals is of output feedback.
 ///
 /// # Errors
 /// Goals that say nothing or contradict themselves, vertices of different sizes, a vertex that cannot be stabilised, a
@@ -90,7 +92,9 @@ pub fn robust_state_feedback(
     let units = Units::of(first);
     let parts: Vec<Parts> = vertices.iter().map(|p| units.parts(p, goals.h2.as_ref(), &goals.hinf)).collect();
     let minimised = goals.hinf.iter().any(|g| g.weight > 0.0);
-    let solve = |scale: LyapunovScale| Program::new(&units, &parts, goals, scale, None)?.solve(settings);
+    let solve = |scale: LyapunovScale| {
+        Program::within(Lmi::new(), &units, &parts, goals, scale, None)?.solve(settings)
+    };
     let solved = match goals.scale {
         // γ² and s are both variables: s by a search over numbers
         LyapunovScale::Searched if minimised && goals.h2.is_some() => super::scale::search(solve)?,
@@ -98,8 +102,13 @@ pub fn robust_state_feedback(
     };
     let (program, solution) = solved;
     Ok(match solution.outcome.status {
+        // not the optimum in its place: it was asked for a gain that is not there
+        Status::Optimal if settings.interior_gap.is_some() && solution.outcome.interior.is_none() => {
+            MixedEnd::Stalled(solution.outcome.measures)
+        }
         Status::Optimal => {
-            let mut found = program.feedback(&units, goals, &solution);
+            let inner = solution.interior().unwrap_or(solution);
+            let mut found = program.feedback(&units, goals, &inner);
             for vertex in vertices {
                 let closed = with_feedback(vertex, &found.gain)?;
                 found.achieved.push(achieved(&closed, goals, &found.claims)?);
@@ -156,16 +165,6 @@ pub(super) struct Program {
 }
 
 impl Program {
-    fn new(
-        units: &Units,
-        parts: &[Parts],
-        goals: &MixedGoals,
-        scale: LyapunovScale,
-        factor: Option<Variable>,
-    ) -> Result<Self, SdpError> {
-        Self::within(Lmi::new(), units, parts, goals, scale, factor)
-    }
-
     fn within(
         mut lmi: Lmi,
         units: &Units,
@@ -180,19 +179,10 @@ impl Program {
         let mut levels = Vec::new();
         let mut scales = Vec::new();
         for goal in &goals.hinf {
-            let bound = goal.bound.map(|b| units.hinf(b).powi(2));
-            let level = match (bound, factor) {
-                (Some(g), Some(_)) => Level::Number(g),
-                (Some(g), None) if goal.weight == 0.0 => Level::Number(g),
-                (bound, _) => {
-                    let g = lmi.scalar();
-                    if let Some(b) = bound {
-                        lmi.positive("a bound on an H∞ norm", &Expr::identity(1, b) - &g.expr());
-                    }
-                    objective = objective + g.expr().scaled(goal.weight * units.plain_hinf(1.0).powi(2));
-                    Level::Free(g)
-                }
-            };
+            // γ² times a common factor is a number too
+            let weight = if factor.is_some() && goal.bound.is_some() { 0.0 } else { goal.weight };
+            let (level, more) = Level::of(&mut lmi, units, goal.bound, weight, objective);
+            objective = more;
             levels.push(level);
             let linear = matches!(level, Level::Number(_)) && goals.h2.is_some();
             scales.push(Scale::of(&mut lmi, scale, linear));
@@ -247,18 +237,7 @@ impl Program {
         let k = crate::linalg::solve(&x, &w.transpose().to_owned())
             .map_or_else(|_| Mat::zeros(w.nrows(), w.ncols()), |k| k.transpose().to_owned());
         let number = |v: Variable| s.value(v)[(0, 0)];
-        let levels: Vec<f64> = self
-            .levels
-            .iter()
-            .map(|l| match l {
-                Level::Number(g) => *g,
-                Level::Free(g) => number(*g),
-            })
-            .collect();
-        let hinf: Vec<f64> = levels.iter().map(|g| units.plain_hinf(g.max(0.0).sqrt())).collect();
         let squared = self.z.map(number);
-        let objective = goals.hinf.iter().zip(&hinf).map(|(g, v)| g.weight * v * v).sum::<f64>()
-            + goals.h2.as_ref().zip(squared).map_or(0.0, |(g, z)| g.weight * z);
         let scales = self.scales.iter().map(|s| match s {
             Scale::Number(s) => *s,
             Scale::Free(s) => number(*s),
@@ -267,12 +246,7 @@ impl Program {
         StateFeedback {
             gain: units.gain(&k),
             lyapunov: Mat::from_fn(t.len(), t.len(), |i, j| t[i] * t[j] * x[(i, j)]),
-            claims: MixedClaims {
-                h2: squared.map(|z| z.max(0.0).sqrt()),
-                hinf,
-                objective,
-                scales: scales.collect(),
-            },
+            claims: claims(units, goals, &self.levels, squared, scales.collect(), s),
             achieved: Vec::new(),
             iterations: s.outcome.iterations,
         }

@@ -1,0 +1,195 @@
+//! `method = "mixed-h2-hinf"`: from a design's goals to matrix inequalities, and what they promise beside what is so.
+
+use super::design_limits::{self, Attempt};
+use super::design_methods::Found;
+use super::design_outcome::{DesignOutcome, DesignStatus};
+use super::design_problem::{GoalBlock, Problem};
+use super::design_words::{short, short_numbers};
+use super::{DesignMethod, Flag};
+use crate::lti::{GeneralizedPlant, LtiError};
+use crate::optimize::{Measures, SdpSettings};
+use crate::synthesis::{
+    H2Goal, HinfGoal, LqgWeights, MixedAchieved, MixedClaims, MixedEnd, MixedGoals, PoleRegion,
+    SynthesisError, lqg_plant, mixed_h2_hinf,
+};
+
+/// Modes that nothing reaches or sees, relative, are left out of the inequalities.
+const MINIMAL: f64 = 1e-10;
+
+/// The goals as the inequalities take them, for a plant whose performances are the problem's `reported` ones followed by
+/// weighted controls; all bounds `times` what is asked.
+pub(super) fn goals(
+    problem: &Problem,
+    plant: &GeneralizedPlant,
+    times: f64,
+    back_off: f64,
+    region: PoleRegion,
+) -> MixedGoals {
+    let of = |g: &GoalBlock, factor: f64| g.members.iter().map(move |i| (*i, factor)).collect::<Vec<_>>();
+    let mut outputs: Vec<(usize, f64)> = Vec::new();
+    for g in problem.goals.iter().filter(|g| g.weight > 0.0) {
+        outputs.extend(of(g, g.weight / g.passive));
+    }
+    let asked = !outputs.is_empty();
+    outputs.extend((problem.reported.len()..plant.nz()).map(|k| (k, 1.0)));
+    // the sensors' noise is white, and no part of a largest gain
+    let road: Vec<usize> = (0..problem.plant.nw()).collect();
+    let peak = |p: &super::design_problem::PeakBlock| HinfGoal {
+        outputs: of(&p.block, 1.0),
+        disturbances: road.clone(),
+        weight: (p.block.weight / p.block.passive).powi(2),
+        bound: p.bound.map(|b| times * b * p.block.passive),
+    };
+    MixedGoals {
+        h2: asked.then(|| H2Goal { outputs, weight: 1.0, ..H2Goal::default() }),
+        hinf: problem.peaks.iter().map(peak).collect(),
+        region,
+        scale: problem.spec.lyapunov_scale.into(),
+        back_off,
+    }
+}
+
+/// The problem's plant with weighted controls as performances and the sensors' noise as disturbances.
+fn plant(problem: &Problem) -> Result<GeneralizedPlant, SynthesisError> {
+    lqg_plant(&problem.plant, &weights(problem, problem.spec.mixed.unwrap_or_default().sensor_noise))
+}
+
+/// Weighted controls and noisy sensors.
+pub(super) fn weights(problem: &Problem, sensor_noise: f64) -> LqgWeights {
+    LqgWeights {
+        sensor_noise: vec![sensor_noise; problem.measurements.len()],
+        input_weight: vec![problem.spec.input_weight; problem.plant.nu()],
+        process_noise: 1.0,
+        cross_term: true,
+    }
+}
+
+/// Without the modes that no signal shows: they would be called unstable where they stand still.
+fn minimal(plant: GeneralizedPlant) -> Result<GeneralizedPlant, LtiError> {
+    let small = plant.system().minimal(MINIMAL)?;
+    if small.order() == plant.order() {
+        return Ok(plant);
+    }
+    GeneralizedPlant::new(small, plant.signals().clone())
+}
+
+pub(super) fn by_mixed(problem: &Problem, alone: &Problem, outcome: &mut DesignOutcome) -> Found {
+    let spec = &problem.spec;
+    let whole = minimal(plant(alone)?)?;
+    let asked = spec.mixed.unwrap_or_default().back_off;
+    let region = spec.poles.unwrap_or_default().region().unwrap_or_default();
+    let settings = SdpSettings::default();
+    let solve = |times: f64, back_off: f64, region: PoleRegion| {
+        let goals = goals(alone, &whole, times, back_off, region);
+        Ok(match mixed_h2_hinf(&whole, &goals, &settings)? {
+            MixedEnd::Found(found) => Attempt::Found { controller: found.controller.clone(), of: found },
+            MixedEnd::Infeasible { bounds_times, .. } => Attempt::Infeasible(bounds_times),
+            MixedEnd::Stalled(measures) => Attempt::Stalled(measures),
+        })
+    };
+    let Some(kept) = design_limits::within(problem, asked, region, outcome, solve)? else { return Ok(None) };
+    let found = &kept.of;
+    let all = goals(alone, &whole, 1.0, asked, region);
+    claims(problem, &all, &found.claims, std::slice::from_ref(&found.achieved), outcome);
+    kept.claim(outcome);
+    outcome.claimed.insert("optimum", found.optimum);
+    outcome.claimed.insert("condition", found.condition);
+    iterations(found.iterations, outcome);
+    if !found.optimal {
+        let text = "the solver stalled before its optimum: the promise is kept, but a better controller may be possible";
+        outcome.warnings.push(Flag { name: "not-optimal".into(), text: text.into() });
+    }
+    Ok(Some(kept.controller))
+}
+
+pub(super) fn iterations(count: [usize; 2], outcome: &mut DesignOutcome) {
+    outcome.claimed.insert("iterations", count[0] as f64);
+    if count[1] > 0 {
+        outcome.claimed.insert("iterations_double_double", count[1] as f64);
+    }
+}
+
+/// Promises beside what the worst of the loops has.
+pub(super) fn claims(
+    problem: &Problem,
+    goals: &MixedGoals,
+    claims: &MixedClaims,
+    achieved: &[MixedAchieved],
+    outcome: &mut DesignOutcome,
+) {
+    let worst =
+        |of: &dyn Fn(&MixedAchieved) -> f64| achieved.iter().map(of).fold(f64::NEG_INFINITY, f64::max);
+    let value = |a: &MixedAchieved| {
+        let peaks = goals.hinf.iter().zip(&a.hinf).map(|(g, v)| g.weight * v * v).sum::<f64>();
+        peaks + goals.h2.as_ref().zip(a.h2).map_or(0.0, |(g, v)| g.weight * v * v)
+    };
+    let minimised = goals.h2.is_some() || goals.hinf.iter().any(|g| g.weight > 0.0);
+    if minimised {
+        outcome.claimed.insert("objective", claims.objective);
+        outcome.claimed.insert("objective_recomputed", worst(&value));
+    }
+    if let Some(h2) = claims.h2 {
+        outcome.claimed.insert("h2", h2);
+        outcome.claimed.insert("h2_recomputed", worst(&|a| a.h2.unwrap_or(0.0)));
+    }
+    for (k, (peak, claimed)) in problem.peaks.iter().zip(&claims.hinf).enumerate() {
+        let name = &peak.block.name;
+        outcome.claimed.insert(format!("hinf_{name}"), *claimed);
+        outcome.claimed.insert(format!("hinf_{name}_recomputed"), worst(&|a| a.hinf[k]));
+        if claims.h2.is_some() {
+            outcome.claimed.insert(format!("lyapunov_scale_{name}"), claims.scales[k]);
+        }
+    }
+}
+
+/// What is said where no controller meets the bounds: the smallest that can be met.
+pub(super) fn infeasible(problem: &Problem, bounds_times: Option<f64>, outcome: &mut DesignOutcome) {
+    outcome.status = DesignStatus::Infeasible;
+    let bounded: Vec<(&str, f64)> =
+        problem.peaks.iter().filter_map(|p| Some((p.block.name.as_str(), p.bound?))).collect();
+    let poles = if problem.spec.poles.is_some() { " with poles in the region asked for" } else { "" };
+    let why = match bounds_times {
+        _ if bounded.is_empty() => {
+            "no controller has its loop's poles in the region asked for (poles)".to_owned()
+        }
+        Some(times) => {
+            let list = |k: f64| {
+                bounded.iter().map(|(n, b)| format!("{n} = {}", short(k * b))).collect::<Vec<_>>().join(", ")
+            };
+            for (name, bound) in &bounded {
+                outcome.feasible_bound.insert(*name, times * bound);
+            }
+            let together = if bounded.len() > 1 { ", all raised by one factor" } else { "" };
+            format!(
+                "no controller{poles} keeps to the bounds {{ {} }}; the smallest that were found to be possible are {{ {} }}{together} \
+                 (multiples of the passive norms, to 1 %)",
+                list(1.0),
+                list(times),
+            )
+        }
+        None => format!("no controller{poles} was found, with whatever bounds"),
+    };
+    let proof =
+        "; one Lyapunov matrix is asked to show all norms and poles at once, which may ask too much of it";
+    let why = why + proof;
+    outcome.why = Some(why);
+}
+
+pub(super) fn stalled(measures: &Measures, outcome: &mut DesignOutcome) {
+    outcome.status = DesignStatus::Stalled;
+    let text = format!(
+        "the solver of the matrix inequalities came to no answer: it violates them by {:e}, its multipliers by {:e}, and its bounds are \
+         {:e} apart (relative). Give it room: a larger mixed.back_off, mixed.sensor_noise, an input_weight, or a wider bound",
+        measures.primal, measures.dual, measures.gap
+    );
+    outcome.why = Some(short_numbers(&text));
+}
+
+/// What may help against gains that are too large.
+pub(super) fn remedy(problem: &Problem) -> &'static str {
+    if problem.spec.method == DesignMethod::RobustStateFeedback {
+        "weight the control (input_weight), or widen the bounds"
+    } else {
+        "state mixed.sensor_noise, weight the control (input_weight), or widen the bounds"
+    }
+}
