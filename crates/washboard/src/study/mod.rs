@@ -53,6 +53,7 @@ mod road_fit;
 mod road_fit_file;
 mod road_fit_filter;
 mod road_fit_order;
+mod road_fit_settings;
 mod road_fit_source;
 mod road_fit_words;
 mod road_iri;

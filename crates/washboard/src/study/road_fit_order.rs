@@ -1,8 +1,7 @@
 //! The choice of a road filter's order.
 
 use super::FitOrder;
-use super::road_fit_filter::{Feedthrough, FilterProblem, RoadFilter};
-use super::road_fit_words::drop;
+use super::road_fit_filter::{Feedthrough, FilterProblem, Found, RoadFilter};
 use crate::linalg::{C64, CMat};
 use crate::subspace::{Order, ShapeSettings, ShapeWeights, SubspaceError, Weights};
 
@@ -22,10 +21,10 @@ pub(super) enum Choice {
     Accuracy,
 }
 
-/// What one order gave: its error, and how many singular values stand out.
+/// What one order gave: its error, and the orders that singular values tell.
 struct Attempt {
     error: f64,
-    told: Option<usize>,
+    told: Vec<usize>,
 }
 
 /// The filter of the best order from 1 to `most` (of a matrix: of the multiples of its size, and first of the one that singular
@@ -47,38 +46,53 @@ pub(super) fn choose(
         |order: usize, best: &mut Option<(f64, RoadFilter)>| -> Result<Attempt, SubspaceError> {
             match problem.fit(Order::Given(order)) {
                 Err(e) => {
-                    tried.push(FitOrder { order, log10_rms_error: None, bic: None });
+                    tried.push(failed(order));
                     failure = Some(e);
-                    Ok(Attempt { error: f64::INFINITY, told: None })
+                    Ok(Attempt { error: f64::INFINITY, told: Vec::new() })
                 }
-                Ok(filter) => {
-                    let error = filter.fit.log10_rms_error;
-                    let told = drop(&filter.fit.model.singular_values);
+                Ok(Found { filter, told }) => {
+                    let (error, found) = (filter.log10_rms_error, filter.fit.model.order);
                     let bic = criterion(&filter, omega, s, &settings.weights)?;
-                    tried.push(FitOrder { order, log10_rms_error: Some(error), bic: Some(bic) });
+                    let lowered_to = (found < order).then_some(found);
+                    let mut row = FitOrder {
+                        order,
+                        lowered_to,
+                        roll_off_order: Some(filter.passes),
+                        chosen: false,
+                        log10_rms_error: Some(error),
+                        bic: Some(bic),
+                    };
                     let value = if choice == Choice::Criterion { bic } else { error };
                     if best.as_ref().is_none_or(|b| value < b.0) {
+                        tried.iter_mut().for_each(|t| t.chosen = false);
+                        row.chosen = true;
                         *best = Some((value, filter));
                     }
+                    tried.push(row);
                     Ok(Attempt { error, told })
                 }
             }
         };
     // as many states more for every channel, or one step after another
-    for order in (m.min(most)..=most).step_by(m) {
+    'orders: for order in (m.min(most)..=most).step_by(m) {
         let found = attempt(order, &mut best)?;
         if choice == Choice::Accuracy && found.error < ACCURATE {
             break;
         }
         // of exact data singular values tell the order, 2n of them: a matrix's is beyond many that are slow to try
-        let told = found.told.map(|k| k / 2).filter(|n| m > 1 && order == m && (m + 1..=most).contains(n));
-        if let Some(n) = told
-            && attempt(n, &mut best)?.error < FOLLOWED
-        {
-            break;
+        if m > 1 && order == m {
+            if found.error < FOLLOWED && found.told.contains(&order) {
+                break;
+            }
+            for n in found.told.into_iter().filter(|n| (m + 1..=most).contains(n)) {
+                if attempt(n, &mut best)?.error < FOLLOWED {
+                    break 'orders;
+                }
+            }
         }
     }
-    tried.sort_by_key(|t| t.order);
+    // an order that was tried twice stands once
+    tried.sort_by_key(|t| (t.order, !t.chosen));
     tried.dedup_by_key(|t| t.order);
     match (best, failure) {
         (Some((_, filter)), _) => Ok((filter, tried)),
@@ -87,6 +101,17 @@ pub(super) fn choose(
             let (expected, found) = ("1 or more".to_owned(), most.to_string());
             Err(SubspaceError::Field { field: "max_order", expected, found })
         }
+    }
+}
+
+fn failed(order: usize) -> FitOrder {
+    FitOrder {
+        order,
+        lowered_to: None,
+        roll_off_order: None,
+        chosen: false,
+        log10_rms_error: None,
+        bic: None,
     }
 }
 

@@ -13,6 +13,8 @@ const SHARP: f64 = 100.0;
 const RAW: f64 = 4.0;
 /// Averages after which the logarithm is as good as the density: 0.1 in its mean.
 const LEAST_AVERAGES: usize = 5;
+/// Poles far beyond the band are told where their part of the filter has more than this share of its variance.
+const CARRIED: f64 = 1e-8;
 /// A fit further off than this (log₁₀, rms) is called rough.
 const ROUGH: f64 = 0.1;
 
@@ -99,11 +101,12 @@ pub(super) fn notes(
         (Some(corner), of) => {
             let what = if of == FilterOutput::Velocity { "velocity" } else { "height" };
             let (more, times) = (o.states - o.order, if o.roll_off_order > 1 { " passed twice" } else { "" });
+            let often = if o.c.len() > 1 { ", --roll-off-order says how often it is passed" } else { "" };
             let states = if more == 1 { "one state".to_owned() } else { format!("{more} states") };
             note(
                 "roll-off",
                 format!(
-                    "the fit of order {} has feedthrough, white noise in the {what}: a low-pass at {corner:.4} {}{times} makes it strictly proper, {states} more; the fit allows for it, so that it bends nothing within the band, and beyond it the {what} falls (--roll-off moves it, --proper leaves the feedthrough)",
+                    "the fit of order {} has feedthrough, white noise in the {what}: a low-pass at {corner:.4} {}{times} makes it strictly proper, {states} more; the fit allows for it, so that it bends nothing within the band, and beyond it the {what} falls (--roll-off moves it{often}, --proper leaves the feedthrough)",
                     o.order, o.unit,
                 ),
             );
@@ -116,6 +119,16 @@ pub(super) fn notes(
             );
         }
         _ => {}
+    }
+    if o.c.len() > 1 && o.roll_off_order == 1 {
+        note(
+            "once",
+            "heights fall as 1/ω² beyond the band (one pass of the low-pass is nearer to the samples than two, or was asked for): their velocities are white there, and accelerations of what stands on a point by a damper are infinite; --roll-off-order 2 makes them finite"
+                .into(),
+        );
+    }
+    if let Some(text) = far_poles(filter, o) {
+        note("far-poles", text);
     }
     if !o.usable {
         note(
@@ -143,6 +156,23 @@ pub(super) fn notes(
         ),
     );
     notes
+}
+
+/// Poles far beyond the band that carry more than [`CARRIED`] of what the filter has within it.
+fn far_poles(filter: &RoadFilter, o: &RoadFitOutcome) -> Option<String> {
+    let far = filter.far_poles();
+    let lowest = far.iter().map(|p| p.norm()).min_by(f64::total_cmp)?;
+    let share = filter.share_of(&far)?;
+    if !(share > CARRIED) {
+        return None;
+    }
+    let many = if far.len() == 1 { "one pole is".to_owned() } else { format!("{} poles are", far.len()) };
+    Some(format!(
+        "{many} at {lowest:.3e} {} and beyond, {:.0} times the band's upper end or more, and carry {:.2e} of the rms: no sample shows them, and tire forces and deflections on this filter may be far too large; a lower --order, another --roll-off-order or --max-order leaves them out",
+        o.unit,
+        lowest / o.band[1],
+        share.sqrt()
+    ))
 }
 
 /// After how many singular values the next one falls by the largest factor, where that is a drop indeed.
