@@ -65,6 +65,7 @@ mod simulate;
 mod spec;
 mod spectra_plot;
 mod spectrum_file;
+mod spectrum_noise;
 mod spectrum_smooth;
 mod speed_parts;
 

@@ -7,13 +7,15 @@ use super::road_fit_order::{Choice, choose};
 use super::road_fit_settings::{check_points, check_settings, scale_of, settings, size};
 use super::road_fit_source::{FitSamples, FitSource, read_source};
 use super::road_fit_words::notes;
-use super::spectrum_smooth::averages;
+use super::spectrum_noise::Noise;
 use super::{Input, RoadFitSpec, StudyError};
 use crate::linalg::{C64, Mat};
 use crate::road::{FilterOutput, FilterVariable};
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 
+/// Block rows beyond the least that noisy matrices are fitted with.
+const SPARE_ROWS: usize = 4;
 /// Errors of the logarithm (log₁₀, rms) under relative weights above which a filter is none: a factor of three.
 const LOST: f64 = 0.5;
 
@@ -134,7 +136,7 @@ pub fn road_fit(spec: &RoadFitSpec) -> Result<RoadFitRun, StudyError> {
         check_name(output)?;
     }
     check_points(&spec.points, size(&samples))?;
-    let (settings, most, weight) = settings(spec, &samples)?;
+    let (mut settings, most, weight) = settings(spec, &samples)?;
     let scale = scale_of(&mut samples);
     let feedthrough = match (samples.of, spec.proper, spec.roll_off_rad) {
         (_, true, _) | (FilterOutput::Velocity, _, None) => Feedthrough::Keep,
@@ -142,11 +144,18 @@ pub fn road_fit(spec: &RoadFitSpec) -> Result<RoadFitRun, StudyError> {
     };
     let fail = |source| StudyError::Shape { name: spec.source.clone(), source: Box::new(source) };
     let (omega, s) = (&samples.omega, &samples.s);
-    let averages = averages(omega, s);
+    // a profile's bands are too far apart for it, a road's samples are exact
+    let noise = if samples.kind == FitSource::Spectrum { Noise::of(omega, s) } else { None };
+    if let Some(noise) = &noise {
+        settings.weights = noise.weights(&settings.weights);
+        settings.spare_rows = (size(&samples) > 1).then_some(SPARE_ROWS);
+    }
+    let likely = noise.as_ref().filter(|_| weight.starts_with("relative"));
     let (filter, orders) = match spec.order {
         Some(_) => (fit_filter(omega, s, &settings, feedthrough).map_err(fail)?, Vec::new()),
         None => {
-            let choice = if samples.kind == FitSource::Road { Choice::Accuracy } else { Choice::Criterion };
+            let choice =
+                if samples.kind == FitSource::Road { Choice::Accuracy } else { Choice::Criterion(likely) };
             choose(omega, s, &settings, feedthrough, most, choice).map_err(fail)?
         }
     };
@@ -196,7 +205,7 @@ pub fn road_fit(spec: &RoadFitSpec) -> Result<RoadFitRun, StudyError> {
     if !outcome.usable {
         outcome.file = None;
     }
-    outcome.notes.extend(notes(&outcome, &filter, spec.order, averages));
+    outcome.notes.extend(notes(&outcome, &filter, spec.order, noise.as_ref().map(|n| n.averages)));
     let file = match &spec.output {
         Some(path) if outcome.usable => {
             Some((path.clone(), filter_file(path, &outcome, &samples, &spec.source)?))

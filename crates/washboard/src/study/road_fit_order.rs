@@ -44,7 +44,8 @@ struct Tries<'a> {
 }
 
 /// The filter of the best order from 1 to `most` (of a matrix: of the multiples of its size, and first of those that singular
-/// values tell), and all that were tried. Where the noise is known orders end where even a fit without misfit would not be worth its unknowns.
+/// values tell), and all that were tried. Where the noise is known orders end where even a fit without misfit would not be
+/// worth its unknowns, of a matrix also where two in a row made the criterion larger.
 pub(super) fn choose(
     omega: &[f64],
     s: &[CMat],
@@ -56,15 +57,14 @@ pub(super) fn choose(
     let m = s.first().map_or(1, |s| s.nrows());
     let problem = FilterProblem::new(omega, s, settings, feedthrough)?;
     let (fitted, failed, failure) = (Vec::new(), Vec::new(), None);
-    let mut tries =
-        Tries { omega, s, weights: &settings.weights, problem, choice, fitted, failed, failure };
+    let mut tries = Tries { omega, s, weights: &settings.weights, problem, choice, fitted, failed, failure };
     // as many states more for every channel, or one step after another
     'orders: for order in (m.min(most)..=most).step_by(m) {
         let told = tries.attempt(order)?;
         let error = tries.error(order);
         match choice {
             Choice::Accuracy if error < ACCURATE => break,
-            Choice::Criterion(Some(noise)) if tries.enough(noise, m) => break,
+            Choice::Criterion(Some(noise)) if tries.enough(noise, m) || tries.risen(noise, m) => break,
             // of exact data singular values tell the order, 2n of them: a matrix's is beyond many that are slow to try
             Choice::Criterion(None) | Choice::Accuracy if m > 1 && order == m => {
                 if error < FOLLOWED && told.contains(&order) {
@@ -132,6 +132,16 @@ impl Tries<'_> {
         noise.freedom * self.omega.len() as f64
     }
 
+    /// Whether the two highest orders of a matrix both have a larger criterion than a lower one.
+    fn risen(&self, noise: &Noise, m: usize) -> bool {
+        let price = self.observed(noise).ln();
+        let value = |t: &Try| {
+            noise.deviance(noise.averages, t.unlikely) + unknowns(t.filter.fit.model.order, m) * price
+        };
+        let least = self.fitted.iter().map(value).fold(f64::INFINITY, f64::min);
+        m > 1 && self.fitted.len() > 2 && self.fitted.iter().rev().take(2).all(|t| value(t) > least)
+    }
+
     /// Whether the next order could not be worth its unknowns even if it left as little as noise leaves, less two standard deviations.
     fn enough(&self, noise: &Noise, m: usize) -> bool {
         let observed = self.observed(noise);
@@ -164,9 +174,8 @@ impl Tries<'_> {
         };
         self.fitted.sort_by_key(|t| t.row.order);
         // of equal ones the lowest order
-        let best = (0..self.fitted.len()).reduce(|a, b| {
-            if value(&self.fitted[b]) < value(&self.fitted[a]) { b } else { a }
-        });
+        let best = (0..self.fitted.len())
+            .reduce(|a, b| if value(&self.fitted[b]) < value(&self.fitted[a]) { b } else { a });
         let mut rows: Vec<FitOrder> = self.fitted.iter().map(|t| t.row).chain(self.failed).collect();
         match (best, self.failure) {
             (Some(best), _) => {

@@ -120,6 +120,7 @@ pub(super) fn settings(
     let settings = ShapeSettings {
         order,
         block_rows: spec.block_rows,
+        spare_rows: None,
         lambda_rad: spec.lambda_rad,
         weights,
         unpaired: Unpaired::Fold,

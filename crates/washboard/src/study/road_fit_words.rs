@@ -15,6 +15,8 @@ const RAW: f64 = 4.0;
 const LEAST_AVERAGES: usize = 5;
 /// Poles far beyond the band are told where their part of the filter has more than this share of its variance.
 const CARRIED: f64 = 1e-8;
+/// Or than this over the root of the averages that noisy samples are worth: log₁₀ of e, and a fifth more.
+const NOISY: f64 = 0.52;
 /// A fit further off than this (log₁₀, rms) is called rough.
 const ROUGH: f64 = 0.1;
 
@@ -42,7 +44,15 @@ pub(super) fn notes(
         note(
             "raw",
             format!(
-                "neighbouring densities scatter as those of {k:.1} averages do: the logarithm of such densities is low, and weights from them favour the low ones. --smooth 3 averages them in thirds of an octave first, or give the mean of {LEAST_AVERAGES} spectra or more"
+                "neighbouring densities scatter as those of {k:.1} averages do: the logarithm of such densities is low, and an order is hard to tell. --smooth 3 averages them in thirds of an octave first, or give the mean of {LEAST_AVERAGES} spectra or more"
+            ),
+        );
+    }
+    if let Some(k) = averages.filter(|_| o.weight.starts_with("relative")) {
+        note(
+            "averages",
+            format!(
+                "neighbouring densities scatter as those of {k:.1} averages do: weights are of local means about each sample, so that noise does not draw the level down, and the criterion is that of such noise"
             ),
         );
     }
@@ -138,7 +148,7 @@ pub(super) fn notes(
                 10f64.powf(o.log10_rms_error)
             ),
         );
-    } else if !(o.log10_rms_error <= ROUGH) {
+    } else if !(o.log10_rms_error <= averages.map_or(ROUGH, |k| ROUGH.max(NOISY / k.sqrt()))) {
         note(
             "rough",
             format!(

@@ -10,6 +10,8 @@ use crate::units::rad_per_s;
 
 /// An entry and its mirror image may differ by this share of the row's largest entry.
 const HERMITIAN: f64 = 1e-6;
+/// Entries of a matrix beyond this have squares that a double does not hold.
+const MOST_DENSITY: f64 = 1e150;
 /// A matrix may have an eigenvalue below zero by this share of its trace: rounding of what is written.
 const DEFINITE: f64 = 1e-6;
 
@@ -107,6 +109,23 @@ fn entries(table: &NumberTable) -> Result<Entries, StudyError> {
         }
         return Ok(Entries { m: 1, at: vec![Some((k, None))], names: Vec::new() });
     }
+    let beyond = (m + 2..=9).find(|i| table.index(&format!("psd_{i}{i}")).is_some());
+    let crossed = (m + 1..=9).find(|i| {
+        (1..=9).any(|j| {
+            ["re", "im"].iter().any(|part| {
+                table
+                    .index(&format!("psd_{j}{i}_{part}"))
+                    .or(table.index(&format!("psd_{i}{j}_{part}")))
+                    .is_some()
+            })
+        })
+    });
+    if let Some(last) = beyond.max(crossed) {
+        let missing = m + 1;
+        return Err(
+            table.header_error(&format!("a column psd_{missing}{missing} of a {last} × {last} matrix"))
+        );
+    }
     if m == 0 {
         return Err(table.header_error("a column psd, or psd_11, psd_12_re, psd_12_im … of a matrix"));
     }
@@ -157,6 +176,12 @@ impl Entries {
         let fail = |message: String| Err(table.row_error(row, message));
         for i in 0..m {
             let own = value(i, i).map_or(f64::NAN, |z| z.re);
+            if m > 1 && own > MOST_DENSITY {
+                let name = self.at[i * m + i].map_or(String::new(), |(k, _)| table.label(k));
+                return fail(format!(
+                    "column {name}: expected a density up to {MOST_DENSITY:e}, found {own:e}: a double does not hold what is made of it"
+                ));
+            }
             if !(own >= 0.0) {
                 let name = self.at[i * m + i].map_or(String::new(), |(k, _)| table.label(k));
                 return fail(format!("column {name}: expected a density of 0 or more, found {own}"));

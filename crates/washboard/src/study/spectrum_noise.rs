@@ -48,7 +48,9 @@ impl Noise {
             let factor = |j: usize| C64::new((omega[k] / omega[j]).powf(slope) / mean, 0.0);
             let x = |j: usize| &s[j] * faer::Scale(factor(j));
             let centre = x(k);
-            bent.push((x(k - 1) - &centre * faer::Scale(C64::new(2.0, 0.0)) + x(k + 1)).squared_norm_l2() / 6.0);
+            bent.push(
+                (x(k - 1) - &centre * faer::Scale(C64::new(2.0, 0.0)) + x(k + 1)).squared_norm_l2() / 6.0,
+            );
             squares.push(centre.squared_norm_l2());
         }
         if bent.len() < LEAST_TRIPLES {

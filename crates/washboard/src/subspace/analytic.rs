@@ -92,7 +92,7 @@ pub fn fit_analytic(
     let fitted = LeastSquares::of(&samples, parity, a, c, folded)?;
     let (s, repair) = match part {
         Part::PositiveReal => {
-            positivity::lifted(&samples, &fitted, fitted.best(), positivity::FLOORS_BEYOND[0])?
+            positivity::lifted(&samples, &fitted, fitted.best(), positivity::FLOORS_BEYOND[0], f64::INFINITY)?
         }
         Part::Real | Part::Imaginary => (fitted.best(), None),
     };

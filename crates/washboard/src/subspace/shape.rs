@@ -3,7 +3,7 @@
 use super::SubspaceError;
 use super::range::{Range, Route};
 use super::samples::{Samples, Weights};
-use super::spectrum::{Order, SpectrumModel, SpectrumSettings, Unpaired, check, fit_in_range};
+use super::spectrum::{Known, Order, SpectrumModel, SpectrumSettings, Unpaired, check, fit_in_range};
 use crate::linalg::{C64, CMat, Mat};
 use crate::lti::{Continuous, LtiError, StateSpace};
 use rayon::prelude::*;
@@ -32,6 +32,8 @@ pub struct ShapeSettings {
     pub order: Order,
     /// p; none takes half of what the samples allow, 64 at most.
     pub block_rows: Option<usize>,
+    /// Rows beyond the least that the order asks for, in place of half of what the samples allow: few rows average noise better.
+    pub spare_rows: Option<usize>,
     /// λ of s = λ(z − 1)/(z + 1); none takes the geometric mean of the lowest and the highest frequency.
     pub lambda_rad: Option<f64>,
     /// R_k.
@@ -49,6 +51,7 @@ impl ShapeSettings {
         ShapeSettings {
             order: Order::Given(order),
             block_rows: None,
+            spare_rows: None,
             lambda_rad: None,
             weights: ShapeWeights::RelativeSquared,
             unpaired: Unpaired::Fold,
@@ -104,8 +107,8 @@ pub struct ShapeProblem<'a> {
     settings: ShapeSettings,
     lambda: f64,
     band_rad: [f64; 2],
-    /// Of orthogonal factors, by p.
-    range: Option<(usize, Range)>,
+    /// Of orthogonal factors, by p, with the orders that were fitted in it.
+    range: Option<(usize, Range, Known)>,
 }
 
 impl<'a> ShapeProblem<'a> {
@@ -160,7 +163,10 @@ impl<'a> ShapeProblem<'a> {
         };
         let m = self.samples.size();
         let given = self.settings.block_rows;
-        let mut block_rows = given.unwrap_or_else(|| default_rows(&self.samples, most, m));
+        let mut block_rows = given.unwrap_or_else(|| {
+            let all = default_rows(&self.samples, most, m);
+            self.settings.spare_rows.map_or(all, |spare| all.min(least_rows(most, m) + spare))
+        });
         let model = loop {
             match self.model(order, most, block_rows) {
                 // frequencies so close on the circle that fewer rows are told apart
@@ -179,14 +185,15 @@ impl<'a> ShapeProblem<'a> {
         let (unpaired, moments) = (self.settings.unpaired, true);
         let on_circle = SpectrumSettings { order, block_rows: p, unpaired, moments, dt_s: 1.0 };
         check(&self.samples, p, most)?;
-        if let Some((_, range)) = self.range.as_ref().filter(|(q, _)| *q == p) {
-            return fit_in_range(&self.samples, &on_circle, range);
+        if let Some((_, range, known)) = self.range.as_mut().filter(|(q, _, _)| *q == p) {
+            return fit_in_range(&self.samples, &on_circle, range, known);
         }
         let given = if let Order::Given(n) = order { Some(n) } else { None };
         let range = Range::of(&self.samples, p, given, moments)?;
-        let found = fit_in_range(&self.samples, &on_circle, &range);
+        let mut known = Known::default();
+        let found = fit_in_range(&self.samples, &on_circle, &range, &mut known);
         if range.route == Route::Orthogonal {
-            self.range = Some((p, range));
+            self.range = Some((p, range, known));
         }
         found
     }
