@@ -70,7 +70,7 @@ impl<'a> Seen<'a> {
     }
 
     fn least(&self, s: &Summand) -> Result<Vec<f64>, LinalgError> {
-        self.chi.par_iter().map(|chi| Ok(hermitian_least(&s.from_chi(chi))?.0)).collect()
+        self.chi.par_iter().map(|chi| Ok(hermitian_least(&s.with_chi(chi))?.0)).collect()
     }
 }
 

@@ -26,11 +26,11 @@ impl Summand {
     /// # Errors
     /// A pole at e^{iθ}.
     pub fn at(&self, theta: f64) -> Result<CMat, LinalgError> {
-        Ok(self.from_chi(&self.chi(theta)?))
+        Ok(self.with_chi(&self.chi(theta)?))
     }
 
     /// S where χ is known.
-    pub(super) fn from_chi(&self, chi: &CMat) -> CMat {
+    pub(super) fn with_chi(&self, chi: &CMat) -> CMat {
         let m = self.c.nrows();
         let h = chi * complex(&self.f);
         CMat::from_fn(m, m, |i, j| h[(i, j)] + h[(j, i)].conj() + self.e[(i, j)])
