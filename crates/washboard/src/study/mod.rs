@@ -35,6 +35,7 @@ mod identify_physical;
 mod identify_tvimm;
 mod input_checks;
 mod interpolation;
+mod interpolation_file;
 mod json_path;
 mod load;
 mod modes;

@@ -12,6 +12,8 @@ use crate::units::rad_per_s;
 const HERMITIAN: f64 = 1e-6;
 /// Entries of a matrix beyond this have squares that a double does not hold.
 const MOST_DENSITY: f64 = 1e150;
+/// Relative weights are squares of densities: beyond this ratio a double does not hold both ends.
+const MOST_SPREAD: f64 = 1e100;
 /// A matrix may have an eigenvalue below zero by this share of its trace: rounding of what is written.
 const DEFINITE: f64 = 1e-6;
 
@@ -77,6 +79,15 @@ pub(super) fn spectrum_of(table: NumberTable, spec: &RoadFitSpec) -> Result<FitS
         if let Some(row) = inside.iter().find(|k| !(trace(**k) > 0.0)) {
             let message = "expected a density above 0, which relative weights need, found 0: leave the row out, narrow --band, or take --weight none";
             return Err(table.row_error(*row, message.into()));
+        }
+        let largest = inside.iter().map(|k| trace(*k)).fold(0.0, f64::max);
+        if let Some(row) = inside.iter().find(|k| trace(**k) < largest / MOST_SPREAD) {
+            let message = format!(
+                "expected densities within a factor of {MOST_SPREAD:e} of each other, found {:.3e} beside {:.3e}",
+                trace(*row) / factor,
+                largest / factor
+            );
+            return Err(table.row_error(*row, message));
         }
     }
     Ok(FitSamples {

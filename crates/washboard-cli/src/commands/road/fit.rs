@@ -1,7 +1,7 @@
 //! `washboard road fit`: a shaping filter from a spectrum, a profile or a road.
 
 use super::{roots, said, values, wrote};
-use crate::args::{pair, word};
+use crate::args::{count, pair, word};
 use crate::output::{Failure, Output};
 use crate::table::{Table, number, wrapped};
 use clap::Args;
@@ -17,16 +17,16 @@ pub struct Arguments {
     #[arg(value_name = "SOURCE")]
     source: String,
     /// Order of the fit; chosen by Bayes' criterion without it.
-    #[arg(long, value_name = "N", allow_negative_numbers = true)]
+    #[arg(long, value_name = "N", value_parser = count, allow_negative_numbers = true)]
     order: Option<usize>,
     /// The largest order that is tried where it is chosen.
-    #[arg(long, value_name = "N", allow_negative_numbers = true)]
+    #[arg(long, value_name = "N", value_parser = count, allow_negative_numbers = true)]
     max_order: Option<usize>,
     /// Frequency that goes to the middle of the circle, rad/m or rad/s; the geometric mean of the band without it.
     #[arg(long, value_name = "RAD", allow_negative_numbers = true)]
     lambda: Option<f64>,
     /// Block rows of the subspace method.
-    #[arg(long = "p", value_name = "P", allow_negative_numbers = true)]
+    #[arg(long = "p", value_name = "P", value_parser = count, allow_negative_numbers = true)]
     block_rows: Option<usize>,
     /// none: large densities count; relative2: errors of the logarithm count (the default).
     #[arg(long, value_name = "none|relative|relative2", value_parser = word::<FitWeight>)]
@@ -44,7 +44,7 @@ pub struct Arguments {
     #[arg(long, value_name = "RAD", allow_negative_numbers = true)]
     roll_off: Option<f64>,
     /// How many times that low-pass is passed, 1 or 2; without it 1, of a matrix spectrum 2 (so that velocities are not white) unless 1 comes nearer.
-    #[arg(long, value_name = "K", allow_negative_numbers = true)]
+    #[arg(long, value_name = "K", value_parser = count, allow_negative_numbers = true)]
     roll_off_order: Option<usize>,
     /// Names of the vehicle's road inputs, one a channel of a matrix spectrum: chassis_front_left,… of a truck cabin, or its wheels'.
     #[arg(long, value_name = "NAME,…", value_delimiter = ',')]
