@@ -2,6 +2,7 @@
 //!
 //! A command line, a Python module and a web page all fill in a [`Spec`] and show an outcome; none of them computes.
 
+mod beyond_band;
 mod checked_design;
 mod checked_result;
 mod compare;
@@ -87,6 +88,7 @@ pub use error::StudyError;
 pub use identify::{Files, IdentifyRun, identify, identify_recording, identify_recordings};
 pub use identify_evidence::*;
 pub use identify_outcome::*;
+pub use beyond_band::BeyondBand;
 pub use interpolation::{
     InterpolateOutcome, InterpolateSpec, InterpolateStatus, check_interpolation_target, interpolate_file,
 };
@@ -96,7 +98,7 @@ pub use load::{
 pub use modes::{ModesOutcome, VehicleMode, VehicleModeKind, modes};
 pub use named::Named;
 pub use respond::{BumpOutcome, Direction, GainsOutcome, RespondOutcome, respond};
-pub use ride::{BeyondBand, Infinite, RideOutcome, RideSpectra, Rms, ride};
+pub use ride::{Infinite, RideOutcome, RideSpectra, Rms, ride};
 pub use road_analytic::{AnalyticSamples, RoadAnalyticOutcome, RoadAnalyticRun, road_analytic};
 pub use road_fit::{FitOrder, FittedSpectrum, RoadFitOutcome, RoadFitRun, road_fit};
 pub use road_fit_source::FitSource;
