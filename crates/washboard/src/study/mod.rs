@@ -57,6 +57,7 @@ mod road_fit_filter;
 mod road_fit_order;
 mod road_fit_settings;
 mod road_fit_source;
+mod road_fit_ways;
 mod road_fit_words;
 mod road_iri;
 mod road_profile;
@@ -72,6 +73,7 @@ mod spectrum_smooth;
 mod speed_parts;
 
 pub use crate::vehicle::Stretch;
+pub use beyond_band::BeyondBand;
 pub use checked_design::read_design;
 pub use checked_result::read_identification;
 pub use compare::{compare, compare_outcomes};
@@ -88,7 +90,6 @@ pub use error::StudyError;
 pub use identify::{Files, IdentifyRun, identify, identify_recording, identify_recordings};
 pub use identify_evidence::*;
 pub use identify_outcome::*;
-pub use beyond_band::BeyondBand;
 pub use interpolation::{
     InterpolateOutcome, InterpolateSpec, InterpolateStatus, check_interpolation_target, interpolate_file,
 };

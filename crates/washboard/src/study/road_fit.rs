@@ -2,10 +2,11 @@
 
 use super::identify_outcome::Flag;
 use super::road_fit_file::{check_name, filter_file, road_of};
-use super::road_fit_filter::{Feedthrough, RoadFilter, fit_filter};
+use super::road_fit_filter::RoadFilter;
 use super::road_fit_order::{Choice, choose};
 use super::road_fit_settings::{check_points, check_settings, scale_of, settings, size};
 use super::road_fit_source::{FitSamples, FitSource, read_source};
+use super::road_fit_ways::{Feedthrough, fit_filter};
 use super::road_fit_words::notes;
 use super::spectrum_noise::Noise;
 use super::{Input, RoadFitSpec, StudyError};

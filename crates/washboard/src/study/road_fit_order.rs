@@ -1,7 +1,8 @@
 //! The choice of a road filter's order.
 
 use super::FitOrder;
-use super::road_fit_filter::{Feedthrough, FilterProblem, Found, RoadFilter};
+use super::road_fit_filter::RoadFilter;
+use super::road_fit_ways::{Feedthrough, FilterProblem, Found};
 use super::spectrum_noise::{Noise, unlikely};
 use crate::linalg::{C64, CMat};
 use crate::subspace::{Order, ShapeSettings, ShapeWeights, SubspaceError, Weights};
@@ -222,6 +223,8 @@ fn criterion(
         let weight = match weights {
             ShapeWeights::Equal => size * size,
             ShapeWeights::Relative => size,
+            ShapeWeights::Like { level, squared: false } => size * size / level[k],
+            ShapeWeights::Like { level, squared: true } => (size / level[k]).powi(2),
             ShapeWeights::Given(Weights::Variances(r)) => size * size / r[k],
             ShapeWeights::RelativeSquared | ShapeWeights::Given(_) => 1.0,
         };

@@ -1,7 +1,7 @@
 //! How noisy the samples of a spectrum are, told from neighbours: averages that they are worth, and local means for weights.
 
 use crate::linalg::{C64, CMat};
-use crate::subspace::{ShapeWeights, Weights};
+use crate::subspace::ShapeWeights;
 
 /// Neighbours on either side that local means are of, at most and at least.
 const MOST_NEIGHBOURS: usize = 20;
@@ -74,12 +74,10 @@ impl Noise {
 
     /// Relative weights from the local means in place of the samples.
     pub fn weights(&self, weights: &ShapeWeights) -> ShapeWeights {
-        let powers = |power: i32| {
-            ShapeWeights::Given(Weights::Variances(self.level.iter().map(|t| t.powi(power)).collect()))
-        };
+        let like = |squared| ShapeWeights::Like { level: self.level.clone(), squared };
         match weights {
-            ShapeWeights::Relative => powers(1),
-            ShapeWeights::RelativeSquared => powers(2),
+            ShapeWeights::Relative => like(false),
+            ShapeWeights::RelativeSquared => like(true),
             other => other.clone(),
         }
     }

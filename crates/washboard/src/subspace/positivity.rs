@@ -190,10 +190,10 @@ pub(super) fn lifted(
 
 #[cfg(test)]
 mod tests {
+    use super::super::Unpaired;
     use super::super::poles::poles;
     use super::super::range::Range;
     use super::super::samples::Weights;
-    use super::super::spectrum::Unpaired;
     use super::super::summand::Parity;
     use super::*;
     use rand::{Rng, SeedableRng};

@@ -3,7 +3,9 @@
 use super::SubspaceError;
 use super::range::{Range, Route};
 use super::samples::{Samples, Weights};
-use super::spectrum::{Known, Order, SpectrumModel, SpectrumSettings, Unpaired, check, fit_in_range};
+use super::shape_settings::{ShapeSettings, ShapeWeights};
+use super::spectrum::{Known, SpectrumModel, check, fit_in_range};
+use super::{Order, SpectrumSettings};
 use crate::linalg::{C64, CMat, Mat};
 use crate::lti::{Continuous, LtiError, StateSpace};
 use rayon::prelude::*;
@@ -11,54 +13,6 @@ use std::f64::consts::PI;
 
 /// Poles and zeros nearer to the circle's −1 than this are at infinity.
 const AT_INFINITY: f64 = 1e-9;
-
-/// How noisy samples are.
-#[derive(Debug, Clone, PartialEq)]
-pub enum ShapeWeights {
-    /// All alike: the largest densities count.
-    Equal,
-    /// R_k = S_k.
-    Relative,
-    /// R_k = S_k²: errors of the logarithm.
-    RelativeSquared,
-    /// Given.
-    Given(Weights),
-}
-
-/// How a shaping filter is fitted.
-#[derive(Debug, Clone, PartialEq)]
-pub struct ShapeSettings {
-    /// n.
-    pub order: Order,
-    /// p; none takes half of what the samples allow, 64 at most.
-    pub block_rows: Option<usize>,
-    /// Rows beyond the least that the order asks for, in place of half of what the samples allow: few rows average noise better.
-    pub spare_rows: Option<usize>,
-    /// λ of s = λ(z − 1)/(z + 1); none takes the geometric mean of the lowest and the highest frequency.
-    pub lambda_rad: Option<f64>,
-    /// R_k.
-    pub weights: ShapeWeights,
-    /// What is done with poles that have no mirror image.
-    pub unpaired: Unpaired,
-    /// ω_r of a factor ω_r/(s + ω_r) that makes a filter with feedthrough strictly proper; none leaves it.
-    pub roll_off_rad: Option<f64>,
-}
-
-impl ShapeSettings {
-    /// A given order, all else by itself.
-    #[must_use]
-    pub fn new(order: usize) -> Self {
-        ShapeSettings {
-            order: Order::Given(order),
-            block_rows: None,
-            spare_rows: None,
-            lambda_rad: None,
-            weights: ShapeWeights::RelativeSquared,
-            unpaired: Unpaired::Fold,
-            roll_off_rad: None,
-        }
-    }
-}
 
 /// A shaping filter, and how near it comes to the samples.
 #[derive(Debug, Clone)]
@@ -146,6 +100,10 @@ impl<'a> ShapeProblem<'a> {
             ShapeWeights::Equal => Weights::Equal,
             ShapeWeights::Relative => relative(1)?,
             ShapeWeights::RelativeSquared => relative(2)?,
+            ShapeWeights::Like { level, squared } => {
+                let power = if *squared { 2 } else { 1 };
+                Weights::Variances(level.iter().map(|l| l.powi(power)).collect())
+            }
             ShapeWeights::Given(weights) => weights.clone(),
         };
         let samples = Samples::new(theta, s.to_vec(), weights)?;

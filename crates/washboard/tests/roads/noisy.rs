@@ -6,7 +6,7 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, Gamma, StandardNormal};
 use std::fmt::Write;
 use washboard::linalg::{C64, CMat};
-use washboard::study::{RoadFitOutcome, RoadFitSpec};
+use washboard::study::{FitWeight, RoadFitOutcome, RoadFitSpec};
 
 const SEEDS: u64 = 12;
 /// Mean of a level (rms) over the seeds: the noise of 12 seeds of 300 samples of 5 averages is .004, weights from the densities are .25 low there.
@@ -22,7 +22,17 @@ fn density(found: &RoadFitOutcome, k: usize) -> f64 {
 /// A first-order road under noise of N averages is one of order 1 or 2 and of its own level.
 #[test]
 fn noise_draws_neither_level_nor_order() {
-    let folder = Folder::new("noise");
+    noise(FitWeight::Relative2, LEVEL);
+}
+
+/// Nor does it where large densities count.
+#[test]
+fn noise_draws_no_level_of_relative_weights() {
+    noise(FitWeight::Relative, LEVEL);
+}
+
+fn noise(weight: FitWeight, tolerance: f64) {
+    let folder = Folder::new(&format!("noise-{weight:?}"));
     let omega = grid(0.06, 19.0, 300);
     let law = |w: f64| 1e-6 / (w * w + 0.0158);
     for averages in [5.0, 10.0, 20.0, 30.0] {
@@ -32,7 +42,8 @@ fn noise_draws_neither_level_nor_order() {
             let noise = Gamma::new(averages, 1.0 / averages).unwrap();
             let mut text = "nu_rad_per_m,psd".to_owned();
             omega.iter().for_each(|w| write!(text, "\n{w},{}", law(*w) * noise.sample(&mut rng)).unwrap());
-            let found = fit(source(folder.file("S.csv", &text))).unwrap();
+            let spec = RoadFitSpec { weight: Some(weight), ..source(folder.file("S.csv", &text)) };
+            let found = fit(spec).unwrap();
             // as the file's densities are read: one-sided
             let factor = found.spectrum.given[0]
                 / text.lines().nth(1).unwrap().split_once(',').unwrap().1.parse::<f64>().unwrap();
@@ -42,8 +53,11 @@ fn noise_draws_neither_level_nor_order() {
             let note = found.notes.iter().find(|n| n.name == "averages").unwrap();
             assert!(note.text.contains("local means"), "{note:?}");
         }
-        println!("{averages} averages: level {:.4}, order 1 or 2 in {low} of {SEEDS}", level.exp());
-        assert!(level.abs() < LEVEL && 2 * low > SEEDS, "{averages}: {level} {low}");
+        println!(
+            "{weight:?}, {averages} averages: level {:.4}, order 1 or 2 in {low} of {SEEDS}",
+            level.exp()
+        );
+        assert!(level.abs() < tolerance && 2 * low > SEEDS, "{averages}: {level} {low}");
     }
 }
 
