@@ -15,6 +15,11 @@ pub fn word<T: serde::de::DeserializeOwned>(text: &str) -> Result<T, String> {
     serde_json::from_value(serde_json::Value::String(text.to_owned())).map_err(|e| e.to_string())
 }
 
+/// A whole number.
+pub fn count(text: &str) -> Result<usize, String> {
+    text.trim().parse().map_err(|_| "expected a whole number above 0".to_owned())
+}
+
 /// `NAME=VALUE` of a positive number.
 pub fn assignment(text: &str) -> Result<(String, f64), String> {
     let wrong =

@@ -147,7 +147,7 @@ fn wrong_files_are_answered_by_field() {
     folder.wrong(&json!({"domain": "disk", "nodes": []}), &["nodes: expected 1, found 0"]);
     folder.wrong(
         &json!({"domain": "half-plane", "nodes": []}),
-        &["lambda: expected a number above 0, found none"],
+        &["lambda: expected a number above 0 in the half plane", "begin with: \"lambda\": ", "found none"],
     );
     folder.wrong(&json!({"domain": "disk", "points": []}), &["unknown field `points`"]);
     let with = |pointer: &str, to: Value| {

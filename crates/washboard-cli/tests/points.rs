@@ -116,6 +116,26 @@ fn a_matrix_spectrum_goes_all_the_way() {
     let loop_ = folder.json("ride case:turkay-half-car --road F.toml --speed-m-s 20 --controller D");
     close(number(active), number(&loop_["rms"]));
     assert_eq!(designed["notes"][0]["name"], "own-speed");
+    // and so is what of it no data says
+    for (measured, ridden) in [("passive", &slow), ("verified", &loop_)] {
+        let shares = designed[measured]["beyond_band"]["share"].as_object().unwrap();
+        assert!(shares.len() > 2, "{measured}");
+        for (name, share) in shares {
+            let of_ride = ridden["beyond_band"]["share"][name].as_f64().unwrap();
+            assert!((share.as_f64().unwrap() - of_ride).abs() < 1e-6, "{measured} {name}: {share} {of_ride}");
+        }
+    }
+    let notes = designed["notes"].as_array().unwrap();
+    let beyond: Vec<&str> =
+        notes.iter().filter(|n| n["name"] == "beyond-band").filter_map(|n| n["text"].as_str()).collect();
+    for (whose, measured) in
+        [("variance, passive, that", "passive"), ("variance, designed, that", "verified")]
+    {
+        let shares = designed[measured]["beyond_band"]["share"].as_object().unwrap();
+        let large = shares.values().any(|s| s.as_f64().unwrap() > 0.05);
+        assert_eq!(beyond.iter().any(|text| text.contains(whose)), large, "{beyond:?}");
+    }
+    println!("{beyond:?}");
 }
 
 #[test]
@@ -138,6 +158,13 @@ fn wrong_filters_are_answered_with_file_field_expected_and_found() {
     // names
     folder.ok("road fit S.csv --order 4 --points left,right -o N.toml");
     folder.wrong(&ride("turkay-half-car", "N.toml"), &["N.toml: points: expected the vehicle's road inputs, found left, right; the vehicle has front, rear"]);
+    for (names, hint) in [
+        ("chassis_front_left,rear", "(chassis_… are the points of a truck cabin, and this vehicle is none)"),
+        ("frnt,rear", "(`frnt`: did you mean `front`?)"),
+    ] {
+        folder.ok(&format!("road fit S.csv --order 4 --points {names} -o N.toml --overwrite"));
+        folder.wrong(&ride("turkay-half-car", "N.toml"), &["the vehicle has front, rear", hint]);
+    }
     folder.wrong("road fit S.csv --points a,b,c -o X.toml", &["points: expected 2 names", "found 3 names"]);
     folder.wrong(
         "road fit S.csv --points a,a -o X.toml",

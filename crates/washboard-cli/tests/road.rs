@@ -165,6 +165,31 @@ fn wrong_files_and_failures_have_their_status() {
     folder.wrong("road fit S.csv -o F.toml", &["S.csv:3: column psd", "found -1"]);
     folder.wrong("road iri S.csv", &["S.csv:1: expected a column x_m", "nu_rad_per_m, psd"]);
     folder.wrong("road analytic S.csv --order 2", &["S.csv:1", "psd"]);
+    // of other programs and other jobs
+    let utf16 = |text: &str| text.encode_utf16().flat_map(u16::to_le_bytes).collect::<Vec<u8>>();
+    let marked = |text: &str| [vec![0xff, 0xfe], utf16(text)].concat();
+    let text = "nu_rad_per_m,psd\n0.1,1\n0.2,1\n";
+    for (name, bytes) in [
+        ("U.csv", marked(text)),
+        ("U.csv", utf16(text)),
+        ("U.csv", text.encode_utf16().flat_map(u16::to_be_bytes).collect()),
+        ("U.toml", marked("kind = \"iso8608\"")),
+    ] {
+        fs::write(folder.0.join(name), bytes).unwrap();
+        folder
+            .wrong(&format!("road fit {name}"), &[&format!("{name}: the file is UTF-16: save it as UTF-8")]);
+    }
+    folder.wrong("identify U.csv", &["U.csv: the file is UTF-16"]);
+    folder
+        .wrong("identify S.csv", &["S.csv:1: ", "A RUN.toml is expected", "(data = \"S.csv\")", "simulate"]);
+    let out = folder.run("road fit S.csv --order -1");
+    let said = String::from_utf8(out.stderr).unwrap();
+    assert!(said.contains("'-1' for '--order <N>': expected a whole number above 0"), "{said}");
+    fs::write(folder.0.join("H.csv"), "omega_rad_s,psd\n1,1e-7\n2,1e300\n3,1e-7\n").unwrap();
+    folder.wrong(
+        "road fit H.csv",
+        &["H.csv:2: expected densities within a factor of 1e100", "found 1.000e-7 beside 1.000e300"],
+    );
     // samples that no filter of order 1 has: it ran, and the answer is no
     let mut text = "omega_rad_s,psd\n".to_owned();
     for k in 1..12 {
@@ -174,6 +199,8 @@ fn wrong_files_and_failures_have_their_status() {
     let out = folder.run("road fit Z.csv --order 1 --proper --json -o F.toml");
     let said: Value = serde_json::from_slice(&out.stdout).unwrap();
     assert_eq!((out.status.code(), said["status"].as_str()), (Some(1), Some("failed")), "{said}");
+    // what failed, not that nothing was left to try
+    assert!(!said.to_string().contains("0 of 2 eigenvalues"), "{said}");
     assert!(!folder.0.join("F.toml").exists());
 }
 

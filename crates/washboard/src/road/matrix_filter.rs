@@ -6,6 +6,8 @@ use crate::lti::{Continuous, StateSpace};
 
 /// A height that a velocity filter leaves standing, below this share of its terms, is rounding.
 const SETTLED: f64 = 1e-12;
+/// How names of a truck cabin's road inputs begin.
+const CHASSIS: &str = "chassis_";
 
 /// y = C(sI − A)⁻¹B + D, driven by unit-intensity white noises: one output a road input of the vehicle.
 ///
@@ -108,7 +110,16 @@ impl MatrixFilter {
         let rows: Option<Vec<usize>> =
             names.iter().map(|n| self.points.iter().position(|p| p == n)).collect();
         let Some(rows) = rows else {
-            let found = format!("{}; the vehicle has {}", listed(&self.points), listed(names));
+            let stray = self.points.iter().find(|p| !names.contains(p)).map_or("", String::as_str);
+            let near = crate::files::nearest(stray, names.iter().map(String::as_str));
+            let hint = match near {
+                Some(name) => format!(" (`{stray}`: did you mean `{name}`?)"),
+                None if stray.starts_with(CHASSIS) => {
+                    format!(" ({CHASSIS}… are the points of a truck cabin, and this vehicle is none)")
+                }
+                None => String::new(),
+            };
+            let found = format!("{}; the vehicle has {}{hint}", listed(&self.points), listed(names));
             return Err(RoadError::Field { field: "points", expected: "the vehicle's road inputs", found });
         };
         let picked = |m: &Mat| Mat::from_fn(rows.len(), m.ncols(), |i, j| m[(rows[i], j)]);

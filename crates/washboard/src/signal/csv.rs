@@ -3,10 +3,10 @@
 use super::error::{quoted, suggest};
 use super::read::MAX_VALUES;
 use super::{Column, SignalError};
-use crate::files::FileError;
+use crate::files::{FileError, UTF16_BYTES, refuse_utf16};
 use ::csv::{ByteRecord, ReaderBuilder};
 use std::fs::File;
-use std::io::{BufRead, BufReader, Read};
+use std::io::{BufRead, BufReader, Cursor, Read};
 use std::ops::Range;
 use std::path::Path;
 
@@ -36,8 +36,12 @@ pub fn read_csv(
     ascending: Option<usize>,
 ) -> Result<Vec<Vec<f64>>, SignalError> {
     crate::files::size_of_file(path)?;
-    let file = File::open(path).map_err(|source| FileError::Read { path: path.to_owned(), source })?;
-    parse_csv(file, path, layout, wanted, ascending)
+    let fail = |source| FileError::Read { path: path.to_owned(), source };
+    let mut file = File::open(path).map_err(fail)?;
+    let mut head = Vec::new();
+    file.by_ref().take(UTF16_BYTES as u64).read_to_end(&mut head).map_err(fail)?;
+    refuse_utf16(&head, path)?;
+    parse_csv(Cursor::new(head).chain(file), path, layout, wanted, ascending)
 }
 
 /// The wanted columns of CSV text; `path` is only for messages.

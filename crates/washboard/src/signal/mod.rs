@@ -44,7 +44,7 @@ pub use description::{
 };
 pub use error::SignalError;
 pub use npy::{parse_npy, read_npy};
-pub use read::{MAX_SPEED_GAP_S, MAX_VALUES, read_recording};
+pub use read::{MAX_SPEED_GAP_S, MAX_VALUES, read_description, read_recording};
 pub use recording::Recording;
 pub(crate) use spectra::averaged;
 pub use spectra::{CrossSpectra, Segment, WelchSettings, welch};

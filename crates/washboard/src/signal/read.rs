@@ -19,6 +19,25 @@ pub const MAX_VALUES: usize = 1 << 27;
 /// A speed file's stamps that are farther apart do not tell the speed between them, in s.
 pub const MAX_SPEED_GAP_S: f64 = 5.0;
 
+/// What a RUN.toml says of its data.
+///
+/// # Errors
+/// As [`read_toml`]; of a data file in its place, that a description is expected and what makes one.
+pub fn read_description(path: &Path) -> Result<RecordingDescription, FileError> {
+    let is_toml = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("toml"));
+    read_toml(path).map_err(|e| match e {
+        FileError::Content { line, message, .. } if !is_toml => {
+            let name = path.file_name().unwrap_or(path.as_os_str()).display();
+            let message = format!(
+                "{message}. A RUN.toml is expected, the description of a recording: it names the data file (data = {:?}), its clock and its channels; `washboard simulate` writes one to start from",
+                name.to_string()
+            );
+            FileError::content(path, line, message)
+        }
+        other => other,
+    })
+}
+
 /// The recording that a RUN.toml describes.
 ///
 /// In this order: the wanted columns are read; the part `span_s` is cut out; time stamps become a uniform clock and
@@ -33,7 +52,7 @@ pub const MAX_SPEED_GAP_S: f64 = 5.0;
 ///
 /// Format: `docs/interface.md`, "Recording".
 pub fn read_recording(path: &Path) -> Result<Recording, SignalError> {
-    let description: RecordingDescription = read_toml(path)?;
+    let description = read_description(path)?;
     check(&description, path)?;
     let conversions = description.channels.iter().map(|c| to_si(c, path)).collect::<Result<Vec<_>, _>>()?;
     let mut channels = channels(&description, path)?;

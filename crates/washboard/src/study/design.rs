@@ -1,5 +1,6 @@
 //! The job `design`: a controller for a vehicle on a road, what it buys, and the proof.
 
+use super::beyond_band::continued;
 use super::design_methods::{by_hinf, by_limit, by_lqg};
 use super::design_outcome::{ControllerFile, DesignOutcome, DesignStatus, Gains, Measured};
 use super::design_problem::{GoalBlock, Norm, Problem};
@@ -9,6 +10,7 @@ use super::{
 };
 use crate::lti::{Continuous, StateSpace};
 use crate::synthesis::SynthesisError;
+use crate::vehicle::Output;
 
 /// Designs a controller.
 ///
@@ -87,6 +89,13 @@ pub fn design(spec: &DesignSpec) -> Result<(DesignOutcome, Vec<Input>), StudyErr
     }
     if let (Some(alone), Some(k)) = (&alone, kept) {
         design_truncated::truncate(alone, k, &mut outcome)?;
+    }
+    let outputs: Vec<&Output> = problem.reported.iter().collect();
+    for (measured, whose) in
+        [(Some(&outcome.passive), ", passive,"), (outcome.verified.as_ref(), ", designed,")]
+    {
+        let shares = measured.and_then(|m| m.beyond_band.as_ref());
+        outcome.notes.extend(shares.and_then(|b| continued(b, &outputs, whose)));
     }
     outcome.gains = problem.gains(kept)?;
     Ok((outcome, problem.inputs))

@@ -1,5 +1,6 @@
 //! Norms, rms and gains of a design's vehicle, passive or in the loop with a controller.
 
+use super::beyond_band::{BeyondBand, beyond};
 use super::design_outcome::{Gains, Measured};
 use super::design_problem::Problem;
 use super::{Infinite, Named, Rms, StudyError};
@@ -11,6 +12,9 @@ use crate::vehicle::{Control, Output, Ride, Variance};
 /// Where gains are looked at, Hz, evenly in log f.
 const GAINS_HZ: [f64; 2] = [0.05, 50.0];
 const POINTS: usize = 240;
+
+/// rms, and the shares of it from beyond a band.
+type OnRoad = (Named<Rms>, Option<BeyondBand>);
 
 impl Problem {
     /// Norms and rms of the passive vehicle, or of the loop with a controller.
@@ -46,12 +50,12 @@ impl Problem {
             measured.hinf.insert(&name, if still { 0.0 } else { peak.norm });
             measured.hinf_at_rad_s.insert(&name, (at.is_finite() && !still).then_some(at));
         }
-        measured.rms = self.rms(controller)?;
+        (measured.rms, measured.beyond_band) = self.rms(controller)?;
         Ok(measured)
     }
 
-    /// rms on the road, exact delays.
-    fn rms(&self, controller: Option<&StateSpace<Continuous>>) -> Result<Named<Rms>, StudyError> {
+    /// rms on the road, exact delays, and what of it is from beyond the band of a filter's data.
+    fn rms(&self, controller: Option<&StateSpace<Continuous>>) -> Result<OnRoad, StudyError> {
         let fail = |source| StudyError::Ride { name: self.spec.vehicle.clone(), source };
         let control = controller
             .map(|k| {
@@ -76,7 +80,9 @@ impl Problem {
             });
             (name, sum.map_or(Rms::Infinite(Infinite::Infinite), |v| Rms::Finite(v.sqrt())))
         });
-        Ok(blocks.collect())
+        let band = self.ground.fitted_band_rad_s;
+        let beyond = band.map(|band| beyond(&ride, &outputs, &variances, band)).transpose().map_err(fail)?;
+        Ok((blocks.collect(), beyond))
     }
 
     /// Gains over frequency.

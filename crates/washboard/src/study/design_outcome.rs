@@ -1,5 +1,6 @@
 //! What a design gives, as it is written to `result.json`.
 
+use super::beyond_band::BeyondBand;
 use super::{DesignSpec, Flag, Named, Rms};
 use crate::linalg::Mat;
 use crate::lti::{Continuous, LtiError, StateSpace};
@@ -89,6 +90,9 @@ pub struct Measured {
     /// rms with the sensors' noise (`lqg`).
     #[serde(default, skip_serializing_if = "Named::is_empty")]
     pub rms_with_noise: Named<Rms>,
+    /// How much of each variance on the road is from where a fitted filter has no data; none of other roads.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub beyond_band: Option<BeyondBand>,
 }
 
 /// One vehicle of a range; outputs of the goal alone.

@@ -7,7 +7,7 @@ use super::{
 };
 use crate::files::FileError;
 use crate::identify::{LineSettings, spectral_lines};
-use crate::signal::{CrossSpectra, Recording, RecordingDescription, SignalError, read_recording};
+use crate::signal::{CrossSpectra, Recording, SignalError, read_recording};
 use crate::units::{Convention, per_hz_from_two_sided, rad_per_s};
 use crate::vehicle::VehicleSpec;
 use speed_parts::Part;
@@ -182,7 +182,7 @@ fn band(recording: &Recording, spec: &IdentifySpec) -> Result<[f64; 2], StudyErr
 }
 
 fn recording_inputs(path: &Path) -> Result<Vec<Input>, StudyError> {
-    let description: RecordingDescription = crate::files::read_toml(path)?;
+    let description = crate::signal::read_description(path)?;
     let beside = |name: &Path| path.parent().unwrap_or(Path::new(".")).join(name);
     let mut inputs = vec![Input::of_file(path)?, Input::of_file(&beside(&description.data))?];
     if let Some(speed) = &description.speed_file {

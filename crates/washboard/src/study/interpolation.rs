@@ -1,18 +1,16 @@
 //! The job `interpolate`: a rational function through the values of a file, or near its measurements.
 
+use super::interpolation_file::{Bound, File, Row, measured, no_lambda, node, scale_of};
 use super::json_path::parse_json;
 use super::{Input, StudyError};
 use crate::files::{FileError, read_text};
-use crate::linalg::{C64, CMat, Mat};
+use crate::linalg::Mat;
 use crate::subspace::{
-    Domain, Interpolant, InterpolationData, Measured, Node, Point, Side, SubspaceError, fit_response,
-    interpolate, interpolate_bounded,
+    Domain, Interpolant, InterpolationData, Node, SubspaceError, fit_response, interpolate,
+    interpolate_bounded,
 };
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
-
-/// Values whose squares a double holds with room to spare.
-const HELD: std::ops::RangeInclusive<f64> = 1e-100..=1e100;
 
 /// A file of values to interpolate.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
@@ -65,64 +63,6 @@ pub struct InterpolateOutcome {
     pub bound: Option<[f64; 2]>,
 }
 
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct File {
-    domain: String,
-    #[serde(default)]
-    lambda: Option<f64>,
-    #[serde(default)]
-    nodes: Vec<Row>,
-    #[serde(default)]
-    measured: Vec<MeasuredRow>,
-    #[serde(default)]
-    constraints: Vec<Row>,
-    #[serde(default)]
-    order: Option<usize>,
-    #[serde(default)]
-    bound: Option<Bound>,
-}
-
-#[derive(Deserialize)]
-#[serde(untagged, expecting = "expected a number or \"least\"")]
-enum Bound {
-    Value(f64),
-    Word(String),
-}
-
-#[derive(Deserialize)]
-#[serde(untagged, expecting = "expected [re, im] or \"infinity\"")]
-enum Place {
-    Finite([f64; 2]),
-    Word(String),
-}
-
-type Rows = Vec<Vec<[f64; 2]>>;
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct Row {
-    z: Place,
-    values: Vec<Rows>,
-    #[serde(default)]
-    left: Option<Vec<[f64; 2]>>,
-    #[serde(default)]
-    right: Option<Vec<[f64; 2]>>,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct MeasuredRow {
-    z: [f64; 2],
-    value: Rows,
-    #[serde(default = "one")]
-    variance: f64,
-}
-
-fn one() -> f64 {
-    1.0
-}
-
 /// The function of a file, and the file's fingerprint.
 ///
 /// With `measured` a fit of `order` that meets `constraints`; with `bound` a function of that modulus on the boundary; else the
@@ -149,7 +89,7 @@ pub fn interpolate_file(spec: &InterpolateSpec) -> Result<(InterpolateOutcome, V
         ("disk", None) => Domain::Disk,
         ("disk", Some(l)) => return Err(wrong(format!("lambda: expected none on the disk, found {l}"))),
         ("half-plane", Some(lambda_rad_s)) => Domain::HalfPlane { lambda_rad_s },
-        ("half-plane", None) => return Err(wrong("lambda: expected a number above 0, found none".into())),
+        ("half-plane", None) => return Err(wrong(no_lambda(&file))),
         (other, _) => {
             return Err(wrong(format!("domain: expected \"disk\" or \"half-plane\", found {other:?}")));
         }
@@ -258,61 +198,6 @@ fn outcome(
         stable: found.stable,
         bound,
     }
-}
-
-fn number(x: [f64; 2]) -> C64 {
-    C64::new(x[0], x[1])
-}
-
-/// A power of two, about the largest value where squares of it are not held by a double; else 1.
-fn scale_of(file: &File) -> f64 {
-    let nodes = file.nodes.iter().chain(&file.constraints).flat_map(|n| &n.values);
-    let all = nodes.chain(file.measured.iter().map(|m| &m.value)).flatten().flatten().flatten();
-    let largest = all.map(|x| x.abs()).fold(0.0, f64::max);
-    if HELD.contains(&largest) || !(largest > 0.0 && largest.is_finite()) {
-        return 1.0;
-    }
-    2f64.powi(largest.log2().round() as i32)
-}
-
-/// Over `scale`.
-fn matrix(rows: &Rows, scale: f64) -> Result<CMat, String> {
-    let columns = rows.first().map_or(0, Vec::len);
-    match rows.iter().find(|r| r.len() != columns || columns == 0) {
-        Some(row) => {
-            Err(format!("expected rows of {} numbers [re, im], found {}", columns.max(1), row.len()))
-        }
-        None if rows.is_empty() => Err("expected rows of numbers [re, im], found none".into()),
-        None => Ok(CMat::from_fn(rows.len(), columns, |i, j| number(rows[i][j].map(|x| x / scale)))),
-    }
-}
-
-fn node(row: &Row, scale: f64) -> Result<Node, String> {
-    let z = match &row.z {
-        Place::Finite(z) => Point::Finite(number(*z)),
-        Place::Word(w) if w == "infinity" => Point::Infinity,
-        Place::Word(w) => return Err(format!("z: expected [re, im] or \"infinity\", found {w:?}")),
-    };
-    let direction = |v: &[[f64; 2]]| v.iter().map(|x| number(*x)).collect();
-    let side = match (&row.left, &row.right) {
-        (None, None) => Side::Full,
-        (Some(v), None) => Side::Left(direction(v)),
-        (None, Some(u)) => Side::Right(direction(u)),
-        (Some(_), Some(_)) => return Err("left: expected one direction, found left and right".into()),
-    };
-    let values = row.values.iter().enumerate();
-    let values = values
-        .map(|(k, v)| matrix(v, scale).map_err(|e| format!("values[{k}]: {e}")))
-        .collect::<Result<_, _>>()?;
-    Ok(Node { z, values, side })
-}
-
-fn measured(rows: &[MeasuredRow], scale: f64) -> Result<Vec<Measured>, String> {
-    let one = |(k, row): (usize, &MeasuredRow)| {
-        let value = matrix(&row.value, scale).map_err(|e| format!("measured[{k}].value: {e}"))?;
-        Ok(Measured { z: number(row.z), value, variance: row.variance })
-    };
-    rows.iter().enumerate().map(one).collect()
 }
 
 /// Refuses to write a result over its own data.

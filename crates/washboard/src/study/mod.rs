@@ -2,6 +2,7 @@
 //!
 //! A command line, a Python module and a web page all fill in a [`Spec`] and show an outcome; none of them computes.
 
+mod beyond_band;
 mod checked_design;
 mod checked_result;
 mod compare;
@@ -44,6 +45,7 @@ mod identify_physical;
 mod identify_tvimm;
 mod input_checks;
 mod interpolation;
+mod interpolation_file;
 mod json_path;
 mod load;
 mod modes;
@@ -62,7 +64,9 @@ mod road_fit;
 mod road_fit_file;
 mod road_fit_filter;
 mod road_fit_order;
+mod road_fit_settings;
 mod road_fit_source;
+mod road_fit_ways;
 mod road_fit_words;
 mod road_iri;
 mod road_profile;
@@ -73,10 +77,12 @@ mod simulate;
 mod spec;
 mod spectra_plot;
 mod spectrum_file;
+mod spectrum_noise;
 mod spectrum_smooth;
 mod speed_parts;
 
 pub use crate::vehicle::Stretch;
+pub use beyond_band::BeyondBand;
 pub use checked_design::read_design;
 pub use checked_result::read_identification;
 pub use compare::{compare, compare_outcomes};
@@ -105,7 +111,7 @@ pub use load::{
 pub use modes::{ModesOutcome, VehicleMode, VehicleModeKind, modes};
 pub use named::Named;
 pub use respond::{BumpOutcome, Direction, GainsOutcome, RespondOutcome, respond};
-pub use ride::{BeyondBand, Infinite, RideOutcome, RideSpectra, Rms, ride};
+pub use ride::{Infinite, RideOutcome, RideSpectra, Rms, ride};
 pub use road_analytic::{AnalyticSamples, RoadAnalyticOutcome, RoadAnalyticRun, road_analytic};
 pub use road_fit::{FitOrder, FittedSpectrum, RoadFitOutcome, RoadFitRun, road_fit};
 pub use road_fit_source::FitSource;

@@ -1,17 +1,16 @@
 //! The job `ride`: what reaches body, suspension and tires on a road.
 
+use super::beyond_band::{BeyondBand, beyond, continued};
 use super::ground::ground;
 use super::{Flag, Input, Named, RideSpec, StudyError, load_vehicle};
 use crate::units::{hz, per_hz_from_two_sided, rad_per_s};
-use crate::vehicle::{Output, Ride, RideError, Variance};
+use crate::vehicle::{Output, Ride, Variance};
 use serde::{Deserialize, Serialize};
 
 /// Where spectra are looked at, Hz; cut to the road's band.
 const BAND_HZ: [f64; 2] = [0.1, 50.0];
 /// Points of a spectrum, evenly spaced in log f.
 const POINTS: usize = 200;
-/// A share of an output's variance from beyond the band of a filter's data that is worth a word.
-const BEYOND: f64 = 0.05;
 
 /// The responses of a vehicle on a road.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -32,15 +31,6 @@ pub struct RideOutcome {
     /// What is to be known of the road.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub notes: Vec<Flag>,
-}
-
-/// What a fitted filter's own continuation does.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct BeyondBand {
-    /// Band of the data at this speed.
-    pub band_hz: [f64; 2],
-    /// Share of each output's variance from outside that band, 0 to 1.
-    pub share: Named<f64>,
 }
 
 /// Spectra of every output that is no stacked vector.
@@ -117,7 +107,7 @@ pub fn ride(spec: &RideSpec) -> Result<(RideOutcome, Vec<Input>), StudyError> {
         Some(band) => Some(beyond(&ride, &outputs, &variances, band).map_err(fail)?),
         None => None,
     };
-    notes.extend(beyond_band.as_ref().and_then(|b| continued(b, &outputs)));
+    notes.extend(beyond_band.as_ref().and_then(|b| continued(b, &outputs, "")));
     let outcome = RideOutcome {
         speed_m_s: spec.speed_m_s,
         rms,
@@ -129,54 +119,6 @@ pub fn ride(spec: &RideSpec) -> Result<(RideOutcome, Vec<Input>), StudyError> {
     };
     let inputs = loaded.inputs.into_iter().chain(road_inputs).chain(control.map(|(_, input)| input));
     Ok((outcome, inputs.collect()))
-}
-
-/// Shares of variances from outside a band, of single outputs and of stacked vectors.
-fn beyond(
-    ride: &Ride<'_>,
-    outputs: &[&Output],
-    variances: &[Variance],
-    band_rad_s: [f64; 2],
-) -> Result<BeyondBand, RideError> {
-    let finite = |i: &usize| matches!(variances[*i], Variance::Finite(v) if v > 0.0);
-    let kept: Vec<usize> = (0..outputs.len()).filter(finite).collect();
-    let subset: Vec<&Output> = kept.iter().map(|i| outputs[*i]).collect();
-    let within = ride.variances_in_band(&subset, band_rad_s)?;
-    let mut sums: Named<[f64; 2]> = Named::default();
-    for (output, (i, within)) in subset.iter().zip(kept.iter().zip(within)) {
-        let whole = variances[*i].rms().map_or(0.0, |r| r * r);
-        let mut names = vec![output.base.as_str(), output.name.as_str()];
-        names.dedup();
-        for name in names {
-            let [a, b] = sums.get(name).copied().unwrap_or_default();
-            sums.insert(name, [a + within, b + whole]);
-        }
-    }
-    let share =
-        sums.iter().map(|(n, [within, whole])| (n.to_owned(), (1.0 - within / whole).clamp(0.0, 1.0)));
-    Ok(BeyondBand { band_hz: band_rad_s.map(hz), share: share.collect() })
-}
-
-/// In words, where a share is large; a stacked vector speaks for its components.
-fn continued(beyond: &BeyondBand, outputs: &[&Output]) -> Option<Flag> {
-    let mut large: Vec<String> = Vec::new();
-    let mut done: Vec<&str> = Vec::new();
-    for output in outputs {
-        for name in [output.base.as_str(), output.name.as_str()] {
-            let Some(share) = beyond.share.get(name).filter(|s| **s > BEYOND) else { continue };
-            if done.contains(&name) || done.contains(&output.base.as_str()) {
-                continue;
-            }
-            done.push(name);
-            large.push(format!("{name} {:.0} %", 100.0 * share));
-        }
-    }
-    let [low, high] = beyond.band_hz;
-    let text = format!(
-        "the road's filter was fitted to data from {low:.4} to {high:.4} Hz (at this speed) and goes on beyond as no data says; share of the variance that is from there: {}",
-        large.join(", ")
-    );
-    (!large.is_empty()).then(|| Flag { name: "beyond-band".into(), text })
 }
 
 /// Refuses a speed that is none, before it is blamed on a vehicle.

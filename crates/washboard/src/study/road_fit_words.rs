@@ -13,6 +13,10 @@ const SHARP: f64 = 100.0;
 const RAW: f64 = 4.0;
 /// Averages after which the logarithm is as good as the density: 0.1 in its mean.
 const LEAST_AVERAGES: usize = 5;
+/// Poles far beyond the band are told where their part of the filter has more than this share of its variance.
+const CARRIED: f64 = 1e-8;
+/// Or than this over the root of the averages that noisy samples are worth: log₁₀ of e, and a fifth more.
+const NOISY: f64 = 0.52;
 /// A fit further off than this (log₁₀, rms) is called rough.
 const ROUGH: f64 = 0.1;
 
@@ -40,7 +44,15 @@ pub(super) fn notes(
         note(
             "raw",
             format!(
-                "neighbouring densities scatter as those of {k:.1} averages do: the logarithm of such densities is low, and weights from them favour the low ones. --smooth 3 averages them in thirds of an octave first, or give the mean of {LEAST_AVERAGES} spectra or more"
+                "neighbouring densities scatter as those of {k:.1} averages do: the logarithm of such densities is low, and an order is hard to tell. --smooth 3 averages them in thirds of an octave first, or give the mean of {LEAST_AVERAGES} spectra or more"
+            ),
+        );
+    }
+    if let Some(k) = averages.filter(|_| o.weight.starts_with("relative")) {
+        note(
+            "averages",
+            format!(
+                "neighbouring densities scatter as those of {k:.1} averages do: weights are of local means about each sample, so that noise does not draw the level down, and the criterion is that of such noise"
             ),
         );
     }
@@ -99,11 +111,12 @@ pub(super) fn notes(
         (Some(corner), of) => {
             let what = if of == FilterOutput::Velocity { "velocity" } else { "height" };
             let (more, times) = (o.states - o.order, if o.roll_off_order > 1 { " passed twice" } else { "" });
+            let often = if o.c.len() > 1 { ", --roll-off-order says how often it is passed" } else { "" };
             let states = if more == 1 { "one state".to_owned() } else { format!("{more} states") };
             note(
                 "roll-off",
                 format!(
-                    "the fit of order {} has feedthrough, white noise in the {what}: a low-pass at {corner:.4} {}{times} makes it strictly proper, {states} more; the fit allows for it, so that it bends nothing within the band, and beyond it the {what} falls (--roll-off moves it, --proper leaves the feedthrough)",
+                    "the fit of order {} has feedthrough, white noise in the {what}: a low-pass at {corner:.4} {}{times} makes it strictly proper, {states} more; the fit allows for it, so that it bends nothing within the band, and beyond it the {what} falls (--roll-off moves it{often}, --proper leaves the feedthrough)",
                     o.order, o.unit,
                 ),
             );
@@ -117,6 +130,16 @@ pub(super) fn notes(
         }
         _ => {}
     }
+    if o.c.len() > 1 && o.roll_off_order == 1 {
+        note(
+            "once",
+            "heights fall as 1/ω² beyond the band (one pass of the low-pass is nearer to the samples than two, or was asked for): their velocities are white there, and accelerations of what stands on a point by a damper are infinite; --roll-off-order 2 makes them finite"
+                .into(),
+        );
+    }
+    if let Some(text) = far_poles(filter, o) {
+        note("far-poles", text);
+    }
     if !o.usable {
         note(
             "not-followed",
@@ -125,7 +148,7 @@ pub(super) fn notes(
                 10f64.powf(o.log10_rms_error)
             ),
         );
-    } else if !(o.log10_rms_error <= ROUGH) {
+    } else if !(o.log10_rms_error <= averages.map_or(ROUGH, |k| ROUGH.max(NOISY / k.sqrt()))) {
         note(
             "rough",
             format!(
@@ -143,6 +166,23 @@ pub(super) fn notes(
         ),
     );
     notes
+}
+
+/// Poles far beyond the band that carry more than [`CARRIED`] of what the filter has within it.
+fn far_poles(filter: &RoadFilter, o: &RoadFitOutcome) -> Option<String> {
+    let far = filter.far_poles();
+    let lowest = far.iter().map(|p| p.norm()).min_by(f64::total_cmp)?;
+    let share = filter.share_of(&far)?;
+    if !(share > CARRIED) {
+        return None;
+    }
+    let many = if far.len() == 1 { "one pole is".to_owned() } else { format!("{} poles are", far.len()) };
+    Some(format!(
+        "{many} at {lowest:.3e} {} and beyond, {:.0} times the band's upper end or more, and carry {:.2e} of the rms: no sample shows them, and tire forces and deflections on this filter may be far too large; a lower --order, another --roll-off-order or --max-order leaves them out",
+        o.unit,
+        lowest / o.band[1],
+        share.sqrt()
+    ))
 }
 
 /// After how many singular values the next one falls by the largest factor, where that is a drop indeed.

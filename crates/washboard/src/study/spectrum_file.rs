@@ -10,6 +10,10 @@ use crate::units::rad_per_s;
 
 /// An entry and its mirror image may differ by this share of the row's largest entry.
 const HERMITIAN: f64 = 1e-6;
+/// Entries of a matrix beyond this have squares that a double does not hold.
+const MOST_DENSITY: f64 = 1e150;
+/// Relative weights are squares of densities: beyond this ratio a double does not hold both ends.
+const MOST_SPREAD: f64 = 1e100;
 /// A matrix may have an eigenvalue below zero by this share of its trace: rounding of what is written.
 const DEFINITE: f64 = 1e-6;
 
@@ -76,6 +80,15 @@ pub(super) fn spectrum_of(table: NumberTable, spec: &RoadFitSpec) -> Result<FitS
             let message = "expected a density above 0, which relative weights need, found 0: leave the row out, narrow --band, or take --weight none";
             return Err(table.row_error(*row, message.into()));
         }
+        let largest = inside.iter().map(|k| trace(*k)).fold(0.0, f64::max);
+        if let Some(row) = inside.iter().find(|k| trace(**k) < largest / MOST_SPREAD) {
+            let message = format!(
+                "expected densities within a factor of {MOST_SPREAD:e} of each other, found {:.3e} beside {:.3e}",
+                trace(*row) / factor,
+                largest / factor
+            );
+            return Err(table.row_error(*row, message));
+        }
     }
     Ok(FitSamples {
         kind: FitSource::Spectrum,
@@ -106,6 +119,23 @@ fn entries(table: &NumberTable) -> Result<Entries, StudyError> {
             return Err(table.header_error("either a column psd, or psd_11, psd_12_re, psd_12_im …"));
         }
         return Ok(Entries { m: 1, at: vec![Some((k, None))], names: Vec::new() });
+    }
+    let beyond = (m + 2..=9).find(|i| table.index(&format!("psd_{i}{i}")).is_some());
+    let crossed = (m + 1..=9).find(|i| {
+        (1..=9).any(|j| {
+            ["re", "im"].iter().any(|part| {
+                table
+                    .index(&format!("psd_{j}{i}_{part}"))
+                    .or(table.index(&format!("psd_{i}{j}_{part}")))
+                    .is_some()
+            })
+        })
+    });
+    if let Some(last) = beyond.max(crossed) {
+        let missing = m + 1;
+        return Err(
+            table.header_error(&format!("a column psd_{missing}{missing} of a {last} × {last} matrix"))
+        );
     }
     if m == 0 {
         return Err(table.header_error("a column psd, or psd_11, psd_12_re, psd_12_im … of a matrix"));
@@ -157,6 +187,12 @@ impl Entries {
         let fail = |message: String| Err(table.row_error(row, message));
         for i in 0..m {
             let own = value(i, i).map_or(f64::NAN, |z| z.re);
+            if m > 1 && own > MOST_DENSITY {
+                let name = self.at[i * m + i].map_or(String::new(), |(k, _)| table.label(k));
+                return fail(format!(
+                    "column {name}: expected a density up to {MOST_DENSITY:e}, found {own:e}: a double does not hold what is made of it"
+                ));
+            }
             if !(own >= 0.0) {
                 let name = self.at[i * m + i].map_or(String::new(), |(k, _)| table.label(k));
                 return fail(format!("column {name}: expected a density of 0 or more, found {own}"));

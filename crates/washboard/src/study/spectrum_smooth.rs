@@ -1,4 +1,4 @@
-//! Raw spectra made fit to be fitted: how many averages densities are worth, and their means in bands of a fraction of an octave.
+//! Raw spectra made fit to be fitted: means in bands of a fraction of an octave.
 
 use super::StudyError;
 use super::road_fit_source::FitSamples;
@@ -6,29 +6,6 @@ use crate::linalg::{C64, CMat};
 
 /// The most bands an octave.
 const MOST_BANDS: f64 = 48.0;
-/// Neighbours may be up to this far apart for their scatter to be noise, not shape: a ratio of frequencies.
-const NEAR: f64 = 1.1;
-/// Fewer triples of neighbours than this say nothing.
-const LEAST_TRIPLES: usize = 20;
-
-/// How many averages the scatter of neighbouring densities is like: 1/var(ln S) + 0.4, after Var ln χ²_{2k} = ψ′(k) ≈ 1/(k − 0.4).
-///
-/// From second differences of ln S (of a matrix: trace) of three neighbours, which a smooth spectrum hardly has; none where there are
-/// too few.
-pub(super) fn averages(omega: &[f64], s: &[CMat]) -> Option<f64> {
-    let ln: Vec<f64> = s.iter().map(|s| (0..s.nrows()).map(|i| s[(i, i)].re).sum::<f64>().ln()).collect();
-    let bent: Vec<f64> = (1..omega.len().max(1) - 1)
-        .filter(|k| omega[k - 1] > 0.0 && omega[k + 1] < NEAR * NEAR * omega[k - 1])
-        .map(|k| ln[k - 1] - 2.0 * ln[k] + ln[k + 1])
-        .filter(|d| d.is_finite())
-        .collect();
-    if bent.len() < LEAST_TRIPLES {
-        return None;
-    }
-    let variance = bent.iter().map(|d| d * d).sum::<f64>() / (6.0 * bent.len() as f64);
-    Some(1.0 / variance.max(f64::MIN_POSITIVE) + 0.4)
-}
-
 /// Means over bands, `per_octave` an octave: of ω²S over the mean of ω², at the geometric mean of ω. Zero frequency is left out.
 ///
 /// # Errors
@@ -91,18 +68,6 @@ mod tests {
             notes: Vec::new(),
             inputs: Vec::new(),
         }
-    }
-
-    #[test]
-    fn averages_are_told_from_the_scatter() {
-        // ±10 %: 4000 triples tell a variance to 3 %, the formula is 5 % off at one average
-        for k in [1, 2, 5, 20] {
-            let samples = raw(k);
-            let found = averages(&samples.omega, &samples.s).unwrap();
-            assert!((found / k as f64 - 1.0).abs() < 0.1, "{k}: {found}");
-        }
-        let samples = raw(1);
-        assert!(averages(&samples.omega[..10], &samples.s[..10]).is_none());
     }
 
     /// The mean of many exponential variables is the density: no bias of the logarithm is left.

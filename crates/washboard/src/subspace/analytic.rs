@@ -1,11 +1,12 @@
 //! Algorithm 2.4.1: a stable rational function from samples of its real or imaginary part.
 
 use super::SubspaceError;
+use super::Unpaired;
 use super::poles::poles;
 use super::positivity::{self, Repair};
 use super::range::{Range, Route};
 use super::samples::{Samples, Weights, scalars};
-use super::spectrum::{Unpaired, check};
+use super::spectrum::check;
 use super::summand::{LeastSquares, Parity};
 use crate::linalg::{C64, CMat};
 use crate::lti::{Discrete, StateSpace};
@@ -92,7 +93,7 @@ pub fn fit_analytic(
     let fitted = LeastSquares::of(&samples, parity, a, c, folded)?;
     let (s, repair) = match part {
         Part::PositiveReal => {
-            positivity::lifted(&samples, &fitted, fitted.best(), positivity::FLOORS_BEYOND[0])?
+            positivity::lifted(&samples, &fitted, fitted.best(), positivity::FLOORS_BEYOND[0], f64::INFINITY)?
         }
         Part::Real | Part::Imaginary => (fitted.best(), None),
     };

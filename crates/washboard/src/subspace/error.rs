@@ -5,7 +5,7 @@ use crate::lti::LtiError;
 use thiserror::Error;
 
 /// Why there is no model.
-#[derive(Debug, Error)]
+#[derive(Debug, Clone, Error)]
 pub enum SubspaceError {
     /// Linear algebra that did not converge, or entries that are not finite.
     #[error(transparent)]
@@ -97,7 +97,7 @@ pub enum SubspaceError {
     },
     /// Poles do not part into those inside the circle and their mirror images.
     #[error(
-        "order {order}: {inside} of {both} eigenvalues are inside the unit circle, expected half: the spectrum is not rational enough of this order, or too noisy",
+        "order {order}: {inside} of {both} eigenvalues are inside the unit circle, expected half: the spectrum is not rational enough of this order, or too noisy. Try a lower or a higher order, a narrower band, or a smoothed spectrum",
         both = 2 * order
     )]
     NoSplit {

@@ -4,6 +4,7 @@ use super::SubspaceError;
 use super::samples::Samples;
 use super::summand::{LeastSquares, Summand};
 use crate::linalg::{C64, CMat, LinalgError, Mat, RealSchur};
+use rayon::prelude::*;
 use std::f64::consts::PI;
 
 /// Repaired spectra stay above this share of the smallest positive sample between the samples.
@@ -56,6 +57,23 @@ pub(super) fn angles(samples: &Samples, a: &Mat) -> Result<Vec<f64>, LinalgError
     Ok(all)
 }
 
+/// χ at angles that are looked at again and again: of all summands that differ in E and F alone.
+struct Seen<'a> {
+    angles: &'a [f64],
+    chi: Vec<CMat>,
+}
+
+impl<'a> Seen<'a> {
+    fn of(s: &Summand, angles: &'a [f64]) -> Result<Self, LinalgError> {
+        let chi = angles.par_iter().map(|t| s.chi(*t)).collect::<Result<_, _>>()?;
+        Ok(Seen { angles, chi })
+    }
+
+    fn least(&self, s: &Summand) -> Result<Vec<f64>, LinalgError> {
+        self.chi.par_iter().map(|chi| Ok(hermitian_least(&s.with_chi(chi))?.0)).collect()
+    }
+}
+
 /// λ_min of S(θ).
 fn least(s: &Summand, theta: f64) -> Result<f64, LinalgError> {
     let value = s.at(theta)?;
@@ -75,24 +93,26 @@ fn hermitian_least(s: &CMat) -> Result<(f64, Vec<C64>), LinalgError> {
 }
 
 /// Local minima of λ_min below a floor, refined: angle and value.
-fn minima(s: &Summand, angles: &[f64], floor: &dyn Fn(f64) -> f64) -> Result<Vec<(f64, f64)>, LinalgError> {
-    let values = angles.iter().map(|t| least(s, *t)).collect::<Result<Vec<_>, _>>()?;
+fn minima(
+    s: &Summand,
+    seen: &Seen<'_>,
+    floor: &(dyn Fn(f64) -> f64 + Sync),
+) -> Result<Vec<(f64, f64)>, LinalgError> {
+    let (angles, values) = (seen.angles, seen.least(s)?);
     let last = angles.len() - 1;
-    let mut found = Vec::new();
-    for k in 0..=last {
+    let low = |k: usize| -> Result<Option<(f64, f64)>, LinalgError> {
         let (before, after) = (k.saturating_sub(1), (k + 1).min(last));
         let rise = (values[before] - values[k]).abs().max((values[after] - values[k]).abs());
         // between two angles it may fall by about what it rises on either side
         if values[k] > values[before] || values[k] > values[after] || values[k] > floor(angles[k]) + rise {
-            continue;
+            return Ok(None);
         }
         let (theta, value) = golden(s, angles[before], angles[after])?;
         let best = if value < values[k] { (theta, value) } else { (angles[k], values[k]) };
-        if best.1 < floor(best.0) {
-            found.push(best);
-        }
-    }
-    Ok(found)
+        Ok((best.1 < floor(best.0)).then_some(best))
+    };
+    let found: Vec<Option<(f64, f64)>> = (0..=last).into_par_iter().map(low).collect::<Result<_, _>>()?;
+    Ok(found.into_iter().flatten().collect())
 }
 
 fn golden(s: &Summand, mut low: f64, mut high: f64) -> Result<(f64, f64), LinalgError> {
@@ -113,7 +133,8 @@ fn golden(s: &Summand, mut low: f64, mut high: f64) -> Result<(f64, f64), Linalg
     Ok(if fx < fy { (x, fx) } else { (y, fy) })
 }
 
-/// The least-squares fit under vᴴS(θ)v ≥ floor, constraints added at each minimum (with its v) until none is below.
+/// The least-squares fit under vᴴS(θ)v ≥ floor, constraints added at each minimum (with its v) until none is below; given up where its misfit
+/// exceeds `limit`.
 ///
 /// Source: cutting planes for the semi-infinite constraint; each round is a least-distance problem (Lawson and Hanson).
 pub(super) fn lifted(
@@ -121,6 +142,7 @@ pub(super) fn lifted(
     fit: &LeastSquares,
     first: Summand,
     floor_beyond: f64,
+    limit: f64,
 ) -> Result<(Summand, Option<Repair>), SubspaceError> {
     let sizes = samples.s().iter().map(|s| hermitian_least(s).map(|v| v.0)).collect::<Result<Vec<_>, _>>()?;
     let largest = samples.s().iter().map(|s| s.norm_max()).fold(0.0, f64::max);
@@ -130,7 +152,8 @@ pub(super) fn lifted(
     let floor = |theta: f64| (share(theta) * smallest).max(LEAST_FLOOR * largest);
     let angles = angles(samples, &first.a)?;
     let touches = 0.1 * floor_beyond;
-    let mut below = minima(&first, &angles, &|_| (touches * smallest).max(0.1 * LEAST_FLOOR * largest))?;
+    let seen = Seen::of(&first, &angles)?;
+    let mut below = minima(&first, &seen, &|_| (touches * smallest).max(0.1 * LEAST_FLOOR * largest))?;
     if below.is_empty() {
         return Ok((first, None));
     }
@@ -147,7 +170,12 @@ pub(super) fn lifted(
         }
         let change = fit.constrained(&rows, &aims)?;
         s = fit.summand(&change);
-        below = minima(&s, &angles, &floor)?;
+        // constraints are only added: the misfit only grows
+        if fit.misfit(Some(&change)) > limit {
+            let (theta_rad, least) = worst(&below);
+            return Err(SubspaceError::NotPositive { order: s.a.nrows(), least, theta_rad, rounds });
+        }
+        below = minima(&s, &seen, &floor)?;
         if below.is_empty() {
             let misfit = [fit.misfit(None), fit.misfit(Some(&change))];
             return Ok((
@@ -162,10 +190,10 @@ pub(super) fn lifted(
 
 #[cfg(test)]
 mod tests {
+    use super::super::Unpaired;
     use super::super::poles::poles;
     use super::super::range::Range;
     use super::super::samples::Weights;
-    use super::super::spectrum::Unpaired;
     use super::super::summand::Parity;
     use super::*;
     use rand::{Rng, SeedableRng};
@@ -206,7 +234,7 @@ mod tests {
         for seed in 0..12 {
             let samples = noisy(1, seed);
             let fit = fitted(&samples);
-            let (s, repair) = lifted(&samples, &fit, fit.best(), FLOORS_BEYOND[0]).unwrap();
+            let (s, repair) = lifted(&samples, &fit, fit.best(), FLOORS_BEYOND[0], f64::INFINITY).unwrap();
             let Some(repair) = repair else { continue };
             lifted_ones += 1;
             let grid: Vec<f64> = (0..=800).map(|k| PI * f64::from(k) / 800.0).collect();
@@ -228,7 +256,7 @@ mod tests {
         for seed in 0..12 {
             let samples = noisy(2, seed);
             let fit = fitted(&samples);
-            let (s, repair) = lifted(&samples, &fit, fit.best(), FLOORS_BEYOND[0]).unwrap();
+            let (s, repair) = lifted(&samples, &fit, fit.best(), FLOORS_BEYOND[0], f64::INFINITY).unwrap();
             lifted_ones += usize::from(repair.is_some());
             for k in 0..=800 {
                 let value = least(&s, PI * f64::from(k) / 800.0).unwrap();

@@ -3,7 +3,9 @@
 use super::SubspaceError;
 use super::range::{Range, Route};
 use super::samples::{Samples, Weights};
-use super::spectrum::{Order, SpectrumModel, SpectrumSettings, Unpaired, check, fit_in_range};
+use super::shape_settings::{ShapeSettings, ShapeWeights};
+use super::spectrum::{Known, SpectrumModel, check, fit_in_range};
+use super::{Order, SpectrumSettings};
 use crate::linalg::{C64, CMat, Mat};
 use crate::lti::{Continuous, LtiError, StateSpace};
 use rayon::prelude::*;
@@ -11,51 +13,6 @@ use std::f64::consts::PI;
 
 /// Poles and zeros nearer to the circle's −1 than this are at infinity.
 const AT_INFINITY: f64 = 1e-9;
-
-/// How noisy samples are.
-#[derive(Debug, Clone, PartialEq)]
-pub enum ShapeWeights {
-    /// All alike: the largest densities count.
-    Equal,
-    /// R_k = S_k.
-    Relative,
-    /// R_k = S_k²: errors of the logarithm.
-    RelativeSquared,
-    /// Given.
-    Given(Weights),
-}
-
-/// How a shaping filter is fitted.
-#[derive(Debug, Clone, PartialEq)]
-pub struct ShapeSettings {
-    /// n.
-    pub order: Order,
-    /// p; none takes half of what the samples allow, 64 at most.
-    pub block_rows: Option<usize>,
-    /// λ of s = λ(z − 1)/(z + 1); none takes the geometric mean of the lowest and the highest frequency.
-    pub lambda_rad: Option<f64>,
-    /// R_k.
-    pub weights: ShapeWeights,
-    /// What is done with poles that have no mirror image.
-    pub unpaired: Unpaired,
-    /// ω_r of a factor ω_r/(s + ω_r) that makes a filter with feedthrough strictly proper; none leaves it.
-    pub roll_off_rad: Option<f64>,
-}
-
-impl ShapeSettings {
-    /// A given order, all else by itself.
-    #[must_use]
-    pub fn new(order: usize) -> Self {
-        ShapeSettings {
-            order: Order::Given(order),
-            block_rows: None,
-            lambda_rad: None,
-            weights: ShapeWeights::RelativeSquared,
-            unpaired: Unpaired::Fold,
-            roll_off_rad: None,
-        }
-    }
-}
 
 /// A shaping filter, and how near it comes to the samples.
 #[derive(Debug, Clone)]
@@ -104,8 +61,8 @@ pub struct ShapeProblem<'a> {
     settings: ShapeSettings,
     lambda: f64,
     band_rad: [f64; 2],
-    /// Of orthogonal factors, by p.
-    range: Option<(usize, Range)>,
+    /// Of orthogonal factors, by p, with the orders that were fitted in it.
+    range: Option<(usize, Range, Known)>,
 }
 
 impl<'a> ShapeProblem<'a> {
@@ -143,6 +100,10 @@ impl<'a> ShapeProblem<'a> {
             ShapeWeights::Equal => Weights::Equal,
             ShapeWeights::Relative => relative(1)?,
             ShapeWeights::RelativeSquared => relative(2)?,
+            ShapeWeights::Like { level, squared } => {
+                let power = if *squared { 2 } else { 1 };
+                Weights::Variances(level.iter().map(|l| l.powi(power)).collect())
+            }
             ShapeWeights::Given(weights) => weights.clone(),
         };
         let samples = Samples::new(theta, s.to_vec(), weights)?;
@@ -160,7 +121,10 @@ impl<'a> ShapeProblem<'a> {
         };
         let m = self.samples.size();
         let given = self.settings.block_rows;
-        let mut block_rows = given.unwrap_or_else(|| default_rows(&self.samples, most, m));
+        let mut block_rows = given.unwrap_or_else(|| {
+            let all = default_rows(&self.samples, most, m);
+            self.settings.spare_rows.map_or(all, |spare| all.min(least_rows(most, m) + spare))
+        });
         let model = loop {
             match self.model(order, most, block_rows) {
                 // frequencies so close on the circle that fewer rows are told apart
@@ -179,14 +143,15 @@ impl<'a> ShapeProblem<'a> {
         let (unpaired, moments) = (self.settings.unpaired, true);
         let on_circle = SpectrumSettings { order, block_rows: p, unpaired, moments, dt_s: 1.0 };
         check(&self.samples, p, most)?;
-        if let Some((_, range)) = self.range.as_ref().filter(|(q, _)| *q == p) {
-            return fit_in_range(&self.samples, &on_circle, range);
+        if let Some((_, range, known)) = self.range.as_mut().filter(|(q, _, _)| *q == p) {
+            return fit_in_range(&self.samples, &on_circle, range, known);
         }
         let given = if let Order::Given(n) = order { Some(n) } else { None };
         let range = Range::of(&self.samples, p, given, moments)?;
-        let found = fit_in_range(&self.samples, &on_circle, &range);
+        let mut known = Known::default();
+        let found = fit_in_range(&self.samples, &on_circle, &range, &mut known);
         if range.route == Route::Orthogonal {
-            self.range = Some((p, range));
+            self.range = Some((p, range, known));
         }
         found
     }

@@ -6,7 +6,10 @@ use super::poles::poles;
 use super::positivity::{self, Repair};
 use super::range::{Range, Route};
 use super::samples::Samples;
+use super::spectrum_settings::{Order, OrderTried, SpectrumSettings, Unpaired};
 use super::summand::{LeastSquares, Parity, Summand};
+use std::collections::BTreeMap;
+use std::sync::Arc;
 
 /// Residuals below this share of the samples are rounding: a higher order can't be better.
 const EXACT: f64 = 1e-11;
@@ -15,60 +18,6 @@ const EXACT: f64 = 1e-11;
 const SURPLUS: f64 = 1e-6;
 /// And below this they are.
 const ROUNDING: f64 = 1e-13;
-
-/// Which order.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Order {
-    /// This one.
-    Given(usize),
-    /// The one with the smallest Bayesian information criterion, up to this one.
-    AtMost(usize),
-}
-
-/// What is done where eigenvalues do not part into n inside the unit circle and n outside.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Unpaired {
-    /// An error with their number.
-    #[default]
-    Refuse,
-    /// The n smallest are taken, those outside mirrored; the result says so.
-    Fold,
-}
-
-/// How a spectrum is fitted.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct SpectrumSettings {
-    /// n.
-    pub order: Order,
-    /// p: block rows of the data matrices. For scalar spectra above 2n.
-    pub block_rows: usize,
-    /// Poles that have no mirror image.
-    pub unpaired: Unpaired,
-    /// Whether moments may be used where they are accurate enough: scalar spectra of a given order.
-    pub moments: bool,
-    /// The sampling interval that the filter is labelled with, s.
-    pub dt_s: f64,
-}
-
-impl SpectrumSettings {
-    /// A given order and number of block rows.
-    #[must_use]
-    pub fn new(order: usize, block_rows: usize) -> Self {
-        let order = Order::Given(order);
-        SpectrumSettings { order, block_rows, unpaired: Unpaired::Refuse, moments: true, dt_s: 1.0 }
-    }
-}
-
-/// An order, and how well it explains the samples.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct OrderTried {
-    /// n.
-    pub order: usize,
-    /// Root of the weighted sum of squares of the fitted spectrum less the samples; none where the order can't be fitted.
-    pub misfit: Option<f64>,
-    /// N_obs ln(misfit²/N_obs) + k ln N_obs.
-    pub bic: Option<f64>,
-}
 
 /// A rational power spectrum and its factor.
 #[derive(Debug, Clone)]
@@ -114,7 +63,14 @@ pub fn fit_spectrum(samples: &Samples, settings: &SpectrumSettings) -> Result<Sp
         Order::Given(n) => Some(n),
         Order::AtMost(_) => None,
     };
-    fit_in_range(samples, settings, &Range::of(samples, p, given, settings.moments)?)
+    fit_in_range(samples, settings, &Range::of(samples, p, given, settings.moments)?, &mut Known::default())
+}
+
+/// What is known of orders in one range: fits and models are the same for whoever asks.
+#[derive(Debug, Default)]
+pub(super) struct Known {
+    fits: BTreeMap<usize, Result<Arc<LeastSquares>, SubspaceError>>,
+    models: BTreeMap<usize, Result<SpectrumModel, SubspaceError>>,
 }
 
 /// The same in a range that is known, of as many block rows.
@@ -122,8 +78,9 @@ pub(super) fn fit_in_range(
     samples: &Samples,
     settings: &SpectrumSettings,
     range: &Range,
+    known: &mut Known,
 ) -> Result<SpectrumModel, SubspaceError> {
-    let problem = Problem { samples, settings, range };
+    let mut problem = Problem { samples, settings, range, known };
     match settings.order {
         Order::Given(n) => problem.given(n),
         Order::AtMost(most) => problem.at_most(most),
@@ -135,23 +92,47 @@ struct Problem<'a> {
     samples: &'a Samples,
     settings: &'a SpectrumSettings,
     range: &'a Range,
+    known: &'a mut Known,
 }
 
 impl Problem<'_> {
-    fn fitted(&self, n: usize) -> Result<LeastSquares, SubspaceError> {
-        let (a, c, folded) =
-            poles(self.range, self.samples, self.settings.block_rows, n, self.settings.unpaired)?;
-        LeastSquares::of(self.samples, Parity::Even, a, c, folded)
+    fn fitted(&mut self, n: usize) -> Result<Arc<LeastSquares>, SubspaceError> {
+        if let Some(known) = self.known.fits.get(&n) {
+            return known.clone();
+        }
+        let found = poles(self.range, self.samples, self.settings.block_rows, n, self.settings.unpaired)
+            .and_then(|(a, c, folded)| LeastSquares::of(self.samples, Parity::Even, a, c, folded))
+            .map(Arc::new);
+        self.known.fits.insert(n, found.clone());
+        found
+    }
+
+    /// The model of an order, given up where its misfit exceeds `limit`.
+    fn model(
+        &mut self,
+        order: usize,
+        fitted: &LeastSquares,
+        limit: f64,
+    ) -> Result<SpectrumModel, SubspaceError> {
+        if let Some(known) = self.known.models.get(&order) {
+            return known.clone();
+        }
+        let found = self.positive(order, fitted, limit);
+        // another limit may let it through
+        if found.is_ok() || limit.is_infinite() {
+            self.known.models.insert(order, found.clone());
+        }
+        found
     }
 
     /// Order n where all is well with it. Where its last singular value may be rounding, poles had to be folded, or the fit be
     /// lifted: that of the orders up to n which comes nearest to the samples, for such poles may be anywhere.
-    fn given(&self, n: usize) -> Result<SpectrumModel, SubspaceError> {
+    fn given(&mut self, n: usize) -> Result<SpectrumModel, SubspaceError> {
         let values = &self.range.singular_values;
         let largest = values.first().copied().unwrap_or(0.0);
         let above = |k: usize, share: f64| values.get(2 * k - 1).is_some_and(|v| *v > share * largest);
         if above(n, SURPLUS) {
-            let found = self.fitted(n).and_then(|fit| self.model(n, &fit, Vec::new()));
+            let found = self.fitted(n).and_then(|fit| self.model(n, &fit, f64::INFINITY));
             if self.settings.unpaired == Unpaired::Refuse
                 || found.as_ref().is_ok_and(|m| m.summand.folded == 0 && m.repair.is_none())
             {
@@ -159,13 +140,18 @@ impl Problem<'_> {
             }
         }
         let (shown, rest): (Vec<usize>, Vec<usize>) = (1..=n).partition(|k| above(*k, ROUNDING));
-        self.nearest(&shown, n).or_else(|_| self.nearest(&rest, n))
+        match self.nearest(&shown, n) {
+            // of no order at all there is nothing to say
+            Err(_) if shown.is_empty() => self.nearest(&rest, n),
+            Err(e) => self.nearest(&rest, n).map_err(|_| e),
+            found => found,
+        }
     }
 
     /// The model of those orders that comes nearest to the samples, the lowest of those that meet them.
-    fn nearest(&self, orders: &[usize], asked: usize) -> Result<SpectrumModel, SubspaceError> {
+    fn nearest(&mut self, orders: &[usize], asked: usize) -> Result<SpectrumModel, SubspaceError> {
         let mut failure = None;
-        let mut tries: Vec<(f64, usize, LeastSquares)> = Vec::new();
+        let mut tries: Vec<(f64, usize, Arc<LeastSquares>)> = Vec::new();
         for k in orders.iter().copied() {
             match self.fitted(k) {
                 Ok(fit) => tries.push((fit.misfit(None).max(EXACT * fit.size()), k, fit)),
@@ -179,7 +165,8 @@ impl Problem<'_> {
             if best.as_ref().is_some_and(|b| b.0 <= misfit) {
                 break;
             }
-            match self.model(k, &fit, Vec::new()) {
+            let limit = best.as_ref().map_or(f64::INFINITY, |b| b.0);
+            match self.model(k, &fit, limit) {
                 Ok(model) => {
                     let misfit = model.repair.map_or(misfit, |r| r.misfit[1].max(misfit));
                     if best.as_ref().is_none_or(|b| misfit < b.0) {
@@ -197,11 +184,11 @@ impl Problem<'_> {
     }
 
     /// The order with the smallest criterion.
-    fn at_most(&self, most: usize) -> Result<SpectrumModel, SubspaceError> {
+    fn at_most(&mut self, most: usize) -> Result<SpectrumModel, SubspaceError> {
         let m = self.samples.size();
         let observed = (self.samples.independent() * m * m) as f64;
         let mut orders = Vec::new();
-        let mut best: Option<(f64, usize, LeastSquares)> = None;
+        let mut best: Option<(f64, usize, Arc<LeastSquares>)> = None;
         for n in 1..=most {
             let Ok(fitted) = self.fitted(n) else {
                 orders.push(OrderTried { order: n, misfit: None, bic: None });
@@ -219,20 +206,20 @@ impl Problem<'_> {
         let Some((_, n, fitted)) = best else {
             return Err(self.fitted(most).err().unwrap_or(SubspaceError::NoSplit { order: most, inside: 0 }));
         };
-        self.model(n, &fitted, orders)
+        Ok(SpectrumModel { orders, ..self.model(n, &fitted, f64::INFINITY)? })
     }
 
     /// The fit made positive, and its factor.
-    fn model(
+    fn positive(
         &self,
         order: usize,
         fitted: &LeastSquares,
-        orders: Vec<OrderTried>,
+        limit: f64,
     ) -> Result<SpectrumModel, SubspaceError> {
         let angles = positivity::angles(self.samples, &fitted.best().a)?;
         let mut last = None;
         for floor in positivity::FLOORS_BEYOND {
-            let (summand, repair) = positivity::lifted(self.samples, fitted, fitted.best(), floor)?;
+            let (summand, repair) = positivity::lifted(self.samples, fitted, fitted.best(), floor, limit)?;
             match spectral_factor(&summand, self.settings.dt_s, &angles) {
                 Ok(factor) => {
                     let Range { singular_values, route, .. } = self.range;
@@ -243,7 +230,7 @@ impl Problem<'_> {
                         factor,
                         singular_values,
                         route,
-                        orders,
+                        orders: Vec::new(),
                         repair,
                     });
                 }

@@ -26,9 +26,14 @@ impl Summand {
     /// # Errors
     /// A pole at e^{iθ}.
     pub fn at(&self, theta: f64) -> Result<CMat, LinalgError> {
+        Ok(self.with_chi(&self.chi(theta)?))
+    }
+
+    /// S where χ is known.
+    pub(super) fn with_chi(&self, chi: &CMat) -> CMat {
         let m = self.c.nrows();
-        let h = self.chi(theta)? * complex(&self.f);
-        Ok(CMat::from_fn(m, m, |i, j| h[(i, j)] + h[(j, i)].conj() + self.e[(i, j)]))
+        let h = chi * complex(&self.f);
+        CMat::from_fn(m, m, |i, j| h[(i, j)] + h[(j, i)].conj() + self.e[(i, j)])
     }
 
     /// χ(e^{iθ}), m × n.
@@ -66,6 +71,7 @@ impl Parity {
 }
 
 /// E and F by least squares, eq. (2.92) with E = Eᵀ: the triangle that is left, so that constraints can be added.
+#[derive(Debug)]
 pub(super) struct LeastSquares {
     parity: Parity,
     a: Mat,

@@ -7,5 +7,6 @@ mod degenerate;
 mod filters;
 mod folder;
 mod matrices;
+mod noisy;
 mod profiles;
 mod wrong_files;

@@ -1,7 +1,7 @@
 //! `washboard road fit`: a shaping filter from a spectrum, a profile or a road.
 
 use super::{roots, said, values, wrote};
-use crate::args::{pair, word};
+use crate::args::{count, pair, word};
 use crate::output::{Failure, Output};
 use crate::table::{Table, number, wrapped};
 use clap::Args;
@@ -17,16 +17,16 @@ pub struct Arguments {
     #[arg(value_name = "SOURCE")]
     source: String,
     /// Order of the fit; chosen by Bayes' criterion without it.
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = count, allow_negative_numbers = true)]
     order: Option<usize>,
     /// The largest order that is tried where it is chosen.
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = count, allow_negative_numbers = true)]
     max_order: Option<usize>,
     /// Frequency that goes to the middle of the circle, rad/m or rad/s; the geometric mean of the band without it.
     #[arg(long, value_name = "RAD", allow_negative_numbers = true)]
     lambda: Option<f64>,
     /// Block rows of the subspace method.
-    #[arg(long = "p", value_name = "P")]
+    #[arg(long = "p", value_name = "P", value_parser = count, allow_negative_numbers = true)]
     block_rows: Option<usize>,
     /// none: large densities count; relative2: errors of the logarithm count (the default).
     #[arg(long, value_name = "none|relative|relative2", value_parser = word::<FitWeight>)]
@@ -43,8 +43,8 @@ pub struct Arguments {
     /// Corner of the low-pass that makes the filter strictly proper, rad/m or rad/s; below or beyond the band, whichever fits better, without it.
     #[arg(long, value_name = "RAD", allow_negative_numbers = true)]
     roll_off: Option<f64>,
-    /// How many times that low-pass is passed, 1 or 2; 2 of a matrix spectrum without it, so that velocities are not white.
-    #[arg(long, value_name = "K")]
+    /// How many times that low-pass is passed, 1 or 2; without it 1, of a matrix spectrum 2 (so that velocities are not white) unless 1 comes nearer.
+    #[arg(long, value_name = "K", value_parser = count, allow_negative_numbers = true)]
     roll_off_order: Option<usize>,
     /// Names of the vehicle's road inputs, one a channel of a matrix spectrum: chassis_front_left,… of a truck cabin, or its wheels'.
     #[arg(long, value_name = "NAME,…", value_delimiter = ',')]
@@ -118,15 +118,18 @@ fn table(o: &RoadFitOutcome) -> String {
     row("lambda, p", format!("{} {}, {}", number(o.lambda), o.unit, o.p));
     let mut text = table.text();
     if !o.orders.is_empty() {
-        let mut orders = Table::new(&["order", "log10 error", "Bayes' criterion", "<"]);
+        let mut orders = Table::new(&["order", "log10 error", "Bayes' criterion", "low-pass", "<"]);
         for tried in &o.orders {
             let cell = |v: Option<f64>| v.map_or_else(|| "none".to_owned(), number);
-            let mark = if tried.order == o.order { "chosen" } else { "" };
+            let lowered = tried.lowered_to.map(|n| format!("lowered to {n}"));
+            let mark = tried.chosen.then(|| "chosen".to_owned());
+            let said: Vec<String> = lowered.into_iter().chain(mark).collect();
             orders.row([
                 tried.order.to_string(),
                 cell(tried.log10_rms_error),
                 cell(tried.bic),
-                mark.to_owned(),
+                tried.roll_off_order.map_or_else(|| "none".to_owned(), |k| k.to_string()),
+                said.join(", "),
             ]);
         }
         text += &format!("\n{}", orders.text());

@@ -46,13 +46,26 @@ fn wrote(file: Option<&String>) -> String {
     file.map_or_else(String::new, |f| format!("wrote {f}\n"))
 }
 
-/// Poles and zeros: a conjugate pair in one, by its upper half.
+/// Imaginary parts below this share of a root are those that rounding gives repeated real ones.
+const REAL: f64 = 1e-6;
+
+/// Poles and zeros: a conjugate pair in one, by its upper half; those that read alike once, with their number.
 fn roots(roots: &[[f64; 2]]) -> String {
     let number = crate::table::number;
-    let upper = roots.iter().filter(|r| r[1] >= 0.0);
-    let text = upper
-        .map(|r| if r[1] == 0.0 { number(r[0]) } else { format!("{} ± {}i", number(r[0]), number(r[1])) });
-    let text: Vec<String> = text.collect();
+    let mut said: Vec<(String, usize)> = Vec::new();
+    for [re, im] in roots {
+        let real = im.abs() <= REAL * re.hypot(*im);
+        if *im < 0.0 && !real {
+            continue;
+        }
+        let text = if real { number(*re) } else { format!("{} ± {}i", number(*re), number(*im)) };
+        match said.iter_mut().find(|(known, _)| *known == text) {
+            Some((_, count)) => *count += 1,
+            None => said.push((text, 1)),
+        }
+    }
+    let text: Vec<String> =
+        said.into_iter().map(|(text, n)| if n == 1 { text } else { format!("{text} ({n} times)") }).collect();
     if text.is_empty() { "none".to_owned() } else { text.join(", ") }
 }
 

@@ -1,0 +1,142 @@
+//! Files that appear whole or not at all, one or a directory of them.
+
+use super::FileError;
+use std::fs;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+/// Writes a file so that it appears whole or not at all: a temporary neighbour, then a rename.
+///
+/// # Errors
+/// The system's, with the file's name.
+pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), FileError> {
+    write_files(&[(path.to_owned(), bytes.to_vec())])
+}
+
+/// Writes several files so that none appears before all are on disk: temporary neighbours first, then the renames.
+///
+/// # Errors
+/// The system's, with the file's name; nothing is left behind unless a rename fails after another has succeeded.
+pub fn write_files(files: &[(PathBuf, Vec<u8>)]) -> Result<(), FileError> {
+    let temporary = |path: &Path| {
+        let name = path.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
+        path.with_file_name(format!(".{name}.{}.part", std::process::id()))
+    };
+    let written = files.iter().try_for_each(|(path, bytes)| {
+        let fail = |source| FileError::Write { path: path.clone(), source };
+        fs::File::create(temporary(path))
+            .and_then(|mut f| f.write_all(bytes).and_then(|()| f.sync_all()))
+            .map_err(fail)
+    });
+    let renamed = written.and_then(|()| {
+        files.iter().try_for_each(|(path, _)| {
+            fs::rename(temporary(path), path)
+                .map_err(|source| FileError::Write { path: path.clone(), source })
+        })
+    });
+    if renamed.is_err() {
+        files.iter().for_each(|(path, _)| drop(fs::remove_file(temporary(path))));
+    }
+    renamed
+}
+
+/// Writes several files of one directory so that all appear or none does: the whole directory is built beside its
+/// place and renamed into it.
+///
+/// An existing directory that is not empty is refused unless `overwrite`.
+///
+/// # Errors
+/// The system's, and a directory in the way.
+pub fn write_directory(dir: &Path, files: &[(&str, Vec<u8>)], overwrite: bool) -> Result<(), FileError> {
+    let fail = |source| FileError::Write { path: dir.to_owned(), source };
+    check_target_directory(dir, overwrite)?;
+    let name = dir.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
+    let parent = dir.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    fs::create_dir_all(parent).map_err(fail)?;
+    let building = parent.join(format!(".{name}.{}.part", std::process::id()));
+    let old = parent.join(format!(".{name}.{}.old", std::process::id()));
+    let build = || -> std::io::Result<()> {
+        fs::create_dir(&building)?;
+        for (file, bytes) in files {
+            fs::write(building.join(file), bytes)?;
+        }
+        if dir.exists() {
+            fs::rename(dir, &old)?;
+        }
+        fs::rename(&building, dir)
+    };
+    let built = build();
+    if built.is_err() {
+        let _ = fs::remove_dir_all(&building);
+        if old.exists() && !dir.exists() {
+            let _ = fs::rename(&old, dir);
+        }
+    }
+    let _ = fs::remove_dir_all(&old);
+    built.map_err(fail)
+}
+
+/// What a result's directory may hold. Overwriting takes the directory away as a whole: nobody's data may be in it.
+const RESULT_FILES: [&str; 7] = [
+    "result.json",
+    "report.html",
+    "vehicle.toml",
+    "road.toml",
+    "controller.json",
+    "controller.mat",
+    "controller.h",
+];
+
+/// The first entry of a directory that is not a result's.
+fn stranger(dir: &Path) -> Option<String> {
+    let entries = fs::read_dir(dir).ok()?.flatten();
+    entries
+        .map(|e| e.file_name().to_string_lossy().into_owned())
+        .find(|n| !RESULT_FILES.contains(&n.as_str()))
+}
+
+/// Refuses a directory that is a file, or that has something in it and may not be overwritten: to be asked before work
+/// starts.
+///
+/// # Errors
+/// [`FileError::Content`] with what is in the way.
+pub fn check_target_directory(dir: &Path, overwrite: bool) -> Result<(), FileError> {
+    if dir.as_os_str().is_empty() || dir.file_name().is_none() {
+        return Err(FileError::content(dir, None, "expected the name of a new directory"));
+    }
+    if dir.exists() && !dir.is_dir() {
+        return Err(FileError::content(dir, None, "expected a directory, found a file"));
+    }
+    let filled = fs::read_dir(dir).map(|mut d| d.next().is_some()).unwrap_or(false);
+    if filled && !overwrite {
+        return Err(FileError::content(dir, None, "the directory is not empty; --overwrite replaces it"));
+    }
+    if let Some(stranger) = stranger(dir) {
+        let message =
+            format!("holds {stranger:?}, which no result has: expected only {}", RESULT_FILES.join(", "));
+        return Err(FileError::content(dir, None, message));
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_directory_appears_whole_and_is_not_overwritten_unasked() {
+        let dir = std::env::temp_dir().join(format!("washboard-files-{}", std::process::id()));
+        let _ = fs::remove_dir_all(&dir);
+        write_directory(&dir, &[("road.toml", b"1".to_vec())], false).unwrap();
+        assert!(write_directory(&dir, &[("result.json", b"2".to_vec())], false).is_err());
+        assert_eq!(fs::read(dir.join("road.toml")).unwrap(), b"1");
+        write_directory(&dir, &[("result.json", b"2".to_vec())], true).unwrap();
+        assert!(!dir.join("road.toml").exists() && dir.join("result.json").exists());
+        // somebody's own file is never taken away
+        fs::write(dir.join("mine"), b"3").unwrap();
+        let e = write_directory(&dir, &[("result.json", b"4".to_vec())], true).unwrap_err().to_string();
+        assert!(e.contains("\"mine\""), "{e}");
+        assert_eq!(fs::read(dir.join("mine")).unwrap(), b"3");
+        fs::remove_dir_all(&dir).unwrap();
+    }
+}
