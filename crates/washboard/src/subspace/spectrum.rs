@@ -140,7 +140,12 @@ impl Problem<'_> {
             }
         }
         let (shown, rest): (Vec<usize>, Vec<usize>) = (1..=n).partition(|k| above(*k, ROUNDING));
-        self.nearest(&shown, n).or_else(|_| self.nearest(&rest, n))
+        match self.nearest(&shown, n) {
+            // of no order at all there is nothing to say
+            Err(_) if shown.is_empty() => self.nearest(&rest, n),
+            Err(e) => self.nearest(&rest, n).map_err(|_| e),
+            found => found,
+        }
     }
 
     /// The model of those orders that comes nearest to the samples, the lowest of those that meet them.
