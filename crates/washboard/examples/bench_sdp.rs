@@ -1,5 +1,7 @@
 //! The semidefinite solver on mixed H2/H∞ inequalities of output feedback for random plants, against the number of states:
-//! `bench_sdp [states …]`. 18 states make 996 variables and blocks of 60, 42 and 48.
+//! `bench_sdp [states …]`, or
+//! `bench_sdp write STATES` for the program in SDPA's sparse format, which other solvers read (`benches/peers/csdp.py`).
+//! 18 states make 996 variables and blocks of 60, 42 and 48.
 
 #![allow(clippy::print_stdout, clippy::unwrap_used)]
 
@@ -7,9 +9,13 @@ use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use std::time::Instant;
 use washboard::linalg::Mat;
-use washboard::optimize::{Expr, Lmi, SdpSettings};
+use washboard::optimize::{Expr, Lmi, Sdp, SdpSettings};
 
 fn main() {
+    if std::env::args().nth(1).as_deref() == Some("write") {
+        let states = std::env::args().nth(2).map_or(18, |a| a.parse().unwrap());
+        return write(&inequalities(states).program().unwrap());
+    }
     let asked: Vec<usize> = std::env::args().skip(1).map(|a| a.parse().unwrap()).collect();
     let states = if asked.is_empty() { vec![4, 8, 12, 18] } else { asked };
     for n in states {
@@ -32,6 +38,35 @@ fn main() {
             o.objective,
             o.bound
         );
+    }
+}
+
+/// min cᵀx with Σ x_iF_i − F₀ ⪰ 0, entry by entry.
+fn write(program: &Sdp) {
+    let (m, blocks) = (program.variables(), program.at(&vec![0.0; program.variables()]));
+    let row = |values: &mut dyn Iterator<Item = String>| println!("{}", values.collect::<Vec<_>>().join(" "));
+    println!("{m}\n{}", blocks.len());
+    row(&mut blocks.iter().map(|b| b.nrows().to_string()));
+    row(&mut program.objective().iter().map(|c| format!("{c:e}")));
+    for i in 0..=m {
+        let mut x = vec![0.0; m];
+        if i > 0 {
+            x[i - 1] = 1.0;
+        }
+        for (k, (at, zero)) in program.at(&x).iter().zip(&blocks).enumerate() {
+            for column in 0..at.ncols() {
+                for line in 0..=column {
+                    let value = if i == 0 {
+                        -zero[(line, column)]
+                    } else {
+                        at[(line, column)] - zero[(line, column)]
+                    };
+                    if value != 0.0 {
+                        println!("{i} {} {} {} {value:e}", k + 1, line + 1, column + 1);
+                    }
+                }
+            }
+        }
     }
 }
 

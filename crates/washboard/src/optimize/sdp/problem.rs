@@ -126,6 +126,12 @@ impl Sdp {
         self.objective.len()
     }
 
+    /// c.
+    #[must_use]
+    pub fn objective(&self) -> &[f64] {
+        &self.objective
+    }
+
     /// F(x) of each block.
     pub fn at(&self, x: &[f64]) -> Vec<Mat> {
         self.blocks
