@@ -89,7 +89,9 @@ fn the_quarter_cars_state_feedback_is_the_published_one() {
         let made = folder.designed(&text);
         let claimed = number(&made, &["claimed", "objective"]);
         assert!((claimed - published).abs() < 1e-5, "{mu} {ct}: {claimed}");
-        assert!(number(&made, &["claimed", "iterations"]) <= 30.0);
+        // the gap is relative to the cost itself, not to 1 + cost: 35 iterations at most were seen
+        let iterations = number(&made, &["claimed", "iterations"]);
+        assert!(iterations <= 40.0, "{iterations}");
         // the promise is above what is so, the bound .87 to .94 of what is allowed
         let value = number(&made, &["claimed", "objective_recomputed"]);
         assert!(value < claimed && (value / number(&made, &["objective", "verified"]) - 1.0).abs() < 1e-9);
