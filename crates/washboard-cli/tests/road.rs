@@ -180,6 +180,12 @@ fn wrong_files_and_failures_have_their_status() {
             .wrong(&format!("road fit {name}"), &[&format!("{name}: the file is UTF-16: save it as UTF-8")]);
     }
     folder.wrong("identify U.csv", &["U.csv: the file is UTF-16"]);
+    fs::write(folder.0.join("B.csv"), b"PK\x03\x04\x14\x00psd,\xff\x8b".repeat(400)).unwrap();
+    let found = "B.csv: expected text, found the byte 0x03 at place 2: a binary file?";
+    folder.wrong("road fit B.csv", &[found]);
+    let rows = "kind = \"filter\"\na = [[-1.0]]\nb = [[1.0, 0.0]]\nc = [1.0]\n";
+    fs::write(folder.0.join("M.toml"), rows).unwrap();
+    folder.wrong("road fit M.toml", &["M.toml:3: invalid type: sequence", "kind = \"matrix-filter\""]);
     folder
         .wrong("identify S.csv", &["S.csv:1: ", "A RUN.toml is expected", "(data = \"S.csv\")", "simulate"]);
     let out = folder.run("road fit S.csv --order -1");
@@ -188,7 +194,7 @@ fn wrong_files_and_failures_have_their_status() {
     fs::write(folder.0.join("H.csv"), "omega_rad_s,psd\n1,1e-7\n2,1e300\n3,1e-7\n").unwrap();
     folder.wrong(
         "road fit H.csv",
-        &["H.csv:2: expected densities within a factor of 1e100", "found 1.000e-7 beside 1.000e300"],
+        &["H.csv:3: expected densities within a factor of 1e100", "found 1.000e300 beside 1.000e-7"],
     );
     // samples that no filter of order 1 has: it ran, and the answer is no
     let mut text = "omega_rad_s,psd\n".to_owned();

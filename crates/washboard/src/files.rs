@@ -12,7 +12,9 @@ pub use write::{check_target_directory, write_directory, write_files, write_whol
 const MAX_DESCRIPTION_BYTES: u64 = 16 << 20;
 
 /// Bytes from which UTF-16 without a mark is told.
-pub const UTF16_BYTES: usize = 16;
+const UTF16_BYTES: usize = 16;
+/// Bytes at a file's beginning from which it is told whether it is text.
+pub const HEAD_BYTES: usize = 256;
 
 /// What went wrong with a file: each names the file, the place in it, what was expected and what was found.
 #[derive(Debug, Error)]
@@ -71,7 +73,7 @@ pub fn read_text(path: &Path) -> Result<String, FileError> {
         ));
     }
     let bytes = fs::read(path).map_err(read)?;
-    refuse_utf16(&bytes, path)?;
+    refuse_binary(&bytes, path)?;
     String::from_utf8(bytes).map_err(|e| {
         FileError::content(
             path,
@@ -81,15 +83,22 @@ pub fn read_text(path: &Path) -> Result<String, FileError> {
     })
 }
 
-/// Refuses bytes at a file's beginning that are UTF-16, as some editors save text: a byte order mark, or a zero in every second place.
+/// Refuses bytes at a file's beginning that are no text: UTF-16, as some editors save it (a byte order mark, or a zero in every second
+/// place), or control characters.
 ///
 /// # Errors
-/// [`FileError::Content`] that says how to save it.
-pub fn refuse_utf16(head: &[u8], path: &Path) -> Result<(), FileError> {
+/// [`FileError::Content`] that says how to save it, or what was found.
+pub fn refuse_binary(head: &[u8], path: &Path) -> Result<(), FileError> {
     let zeros =
         |from: usize| head.len() > 3 && head.iter().take(UTF16_BYTES).skip(from).step_by(2).all(|b| *b == 0);
     if head.starts_with(&[0xff, 0xfe]) || head.starts_with(&[0xfe, 0xff]) || zeros(0) != zeros(1) {
         return Err(FileError::content(path, None, "the file is UTF-16: save it as UTF-8"));
+    }
+    let control = |b: &u8| *b < b' ' && !matches!(b, b'\t' | b'\n' | b'\r' | 0x0c);
+    if let Some(at) = head.iter().take(HEAD_BYTES).position(control) {
+        let message =
+            format!("expected text, found the byte 0x{:02x} at place {at}: a binary file?", head[at]);
+        return Err(FileError::content(path, None, message));
     }
     Ok(())
 }

@@ -23,7 +23,7 @@ pub(crate) use dense::check_finite;
 pub use dense::{C64, CMat, LinalgError, Mat, eigen, solve, solve_complex, symmetric_eigenvalues};
 pub use expm::expm;
 pub use factored::{discrete_lyapunov_factor, lyapunov_factor};
-pub use least_distance::{least_distance, nonnegative_least_squares};
+pub use least_distance::{least_distance, least_distance_from, nonnegative_least_squares};
 pub use lyapunov::{EquationSolution, discrete_lyapunov, lyapunov, sylvester};
 pub use quadrature::{Integral, integrate};
 pub use rank::{condition_estimate, rank, singular_values};

@@ -126,7 +126,7 @@ impl RoadSpec {
     /// # Errors
     /// The file's, or the road's with the file's name.
     pub fn read(path: &Path) -> Result<(Self, Road), FileError> {
-        let mut spec: RoadSpec = crate::files::read_toml(path)?;
+        let mut spec: RoadSpec = crate::files::read_toml(path).map_err(of_a_matrix)?;
         if let Some(data) = &mut spec.data {
             *data = path.parent().unwrap_or(Path::new(".")).join(&*data);
         }
@@ -188,6 +188,17 @@ pub(super) fn need<T>(field: &'static str, value: Option<T>) -> Result<T, RoadEr
         expected: "this field, which the kind of road needs",
         found: "none".into(),
     })
+}
+
+/// Rows where a number was expected are a matrix filter's.
+fn of_a_matrix(e: FileError) -> FileError {
+    match e {
+        FileError::Content { path, line, message } if message.starts_with("invalid type: sequence") => {
+            let message = format!("{message}; rows of several channels are of kind = \"matrix-filter\"");
+            FileError::Content { path, line, message }
+        }
+        other => other,
+    }
 }
 
 #[cfg(test)]

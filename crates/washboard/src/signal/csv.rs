@@ -3,7 +3,7 @@
 use super::error::{quoted, suggest};
 use super::read::MAX_VALUES;
 use super::{Column, SignalError};
-use crate::files::{FileError, UTF16_BYTES, refuse_utf16};
+use crate::files::{FileError, HEAD_BYTES, refuse_binary};
 use ::csv::{ByteRecord, ReaderBuilder};
 use std::fs::File;
 use std::io::{BufRead, BufReader, Cursor, Read};
@@ -39,8 +39,8 @@ pub fn read_csv(
     let fail = |source| FileError::Read { path: path.to_owned(), source };
     let mut file = File::open(path).map_err(fail)?;
     let mut head = Vec::new();
-    file.by_ref().take(UTF16_BYTES as u64).read_to_end(&mut head).map_err(fail)?;
-    refuse_utf16(&head, path)?;
+    file.by_ref().take(HEAD_BYTES as u64).read_to_end(&mut head).map_err(fail)?;
+    refuse_binary(&head, path)?;
     parse_csv(Cursor::new(head).chain(file), path, layout, wanted, ascending)
 }
 

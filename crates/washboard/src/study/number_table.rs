@@ -1,7 +1,7 @@
 //! Tables of numbers with their lines: what spectra, profiles and samples are read from.
 
 use super::{Input, StudyError};
-use crate::files::{FileError, nearest, refuse_utf16, size_of_file};
+use crate::files::{FileError, nearest, refuse_binary, size_of_file};
 use std::path::{Path, PathBuf};
 
 /// Bytes of a file that is read whole.
@@ -31,7 +31,7 @@ impl NumberTable {
         }
         let read = |source| FileError::Read { path: path.to_owned(), source };
         let bytes = std::fs::read(path).map_err(read)?;
-        refuse_utf16(&bytes, path)?;
+        refuse_binary(&bytes, path)?;
         let input = Input::of(path.display().to_string(), &bytes);
         let text = String::from_utf8_lossy(&bytes);
         let mut rows = text

@@ -80,6 +80,9 @@ pub(super) fn choose(
             }
             _ => {}
         }
+        if tries.settled() {
+            break;
+        }
     }
     tries.chosen()
 }
@@ -131,6 +134,14 @@ impl Tries<'_> {
     /// Numbers that samples are free in.
     fn observed(&self, noise: &Noise) -> f64 {
         noise.freedom * self.omega.len() as f64
+    }
+
+    /// Whether the two highest orders are one and the same lower one: more states would be noise.
+    fn settled(&self) -> bool {
+        let mut rows: Vec<FitOrder> = self.fitted.iter().map(|t| t.row).collect();
+        rows.sort_by_key(|row| row.order);
+        rows.len() > 1
+            && matches!(rows[rows.len() - 2..], [a, b] if a.lowered_to.is_some() && a.lowered_to == b.lowered_to)
     }
 
     /// Whether the two highest orders of a matrix both have a larger criterion than a lower one.

@@ -17,6 +17,8 @@ const LEAST_AVERAGES: usize = 5;
 const CARRIED: f64 = 1e-8;
 /// Or than this over the root of the averages that noisy samples are worth: log₁₀ of e, and a fifth more.
 const NOISY: f64 = 0.52;
+/// A minimum at more than this many times the band's upper end has no frequency worth telling.
+const FAR_BEYOND: f64 = 100.0;
 /// A fit further off than this (log₁₀, rms) is called rough.
 const ROUGH: f64 = 0.1;
 
@@ -87,11 +89,16 @@ pub(super) fn notes(
     }
     if let Some(repair) = &filter.fit.model.repair {
         let at = filter.fit.lambda_rad * (0.5 * repair.theta_rad).tan();
+        let [_, high] = filter.fit.band_rad;
+        let at = if at > FAR_BEYOND * high {
+            "far beyond the band".to_owned()
+        } else {
+            format!("lowest near {at:.4} {}", o.unit)
+        };
         note(
             "positivity-repaired",
             format!(
-                "the fit fell below zero (lowest near {at:.4} {}) and was lifted by least squares under constraints, in {} round(s); its misfit grew by a factor {:.3}",
-                o.unit,
+                "the fit fell below zero ({at}) and was lifted by least squares under constraints, in {} round(s); its misfit grew by a factor {:.3}",
                 repair.rounds,
                 repair.misfit[1] / repair.misfit[0]
             ),

@@ -80,14 +80,21 @@ pub(super) fn spectrum_of(table: NumberTable, spec: &RoadFitSpec) -> Result<FitS
             let message = "expected a density above 0, which relative weights need, found 0: leave the row out, narrow --band, or take --weight none";
             return Err(table.row_error(*row, message.into()));
         }
-        let largest = inside.iter().map(|k| trace(*k)).fold(0.0, f64::max);
-        if let Some(row) = inside.iter().find(|k| trace(**k) < largest / MOST_SPREAD) {
+        let mut sizes: Vec<(f64, usize)> = inside.iter().map(|k| (trace(*k), *k)).collect();
+        sizes.sort_by(|x, y| x.0.total_cmp(&y.0));
+        if let (Some(least), Some(largest)) = (sizes.first(), sizes.last())
+            && least.0 < largest.0 / MOST_SPREAD
+        {
+            // the one that is further from most of them
+            let middle = sizes[sizes.len() / 2].0;
+            let (odd, other) =
+                if largest.0 / middle > middle / least.0 { (largest, least) } else { (least, largest) };
             let message = format!(
                 "expected densities within a factor of {MOST_SPREAD:e} of each other, found {:.3e} beside {:.3e}",
-                trace(*row) / factor,
-                largest / factor
+                odd.0 / factor,
+                other.0 / factor
             );
-            return Err(table.row_error(*row, message));
+            return Err(table.row_error(odd.1, message));
         }
     }
     Ok(FitSamples {

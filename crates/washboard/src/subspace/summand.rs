@@ -3,7 +3,7 @@
 use super::SubspaceError;
 use super::range::{accumulated, half_of};
 use super::samples::Samples;
-use crate::linalg::{C64, CMat, LinalgError, Mat, least_distance, solve_complex};
+use crate::linalg::{C64, CMat, LinalgError, Mat, least_distance_from, solve_complex};
 
 /// A, C, F and E = Eᵀ.
 #[derive(Debug, Clone)]
@@ -198,8 +198,13 @@ impl LeastSquares {
         Ok(of_e.chain(of_f).collect())
     }
 
-    /// The best x with gᵀx ≥ aim for every row g.
-    pub fn constrained(&self, rows: &[Vec<f64>], aims: &[f64]) -> Result<Vec<f64>, LinalgError> {
+    /// The best x with gᵀx ≥ aim for every row g; begun with the multipliers of the first rows, if any.
+    pub fn constrained(
+        &self,
+        rows: &[Vec<f64>],
+        aims: &[f64],
+        multipliers: &mut Vec<f64>,
+    ) -> Result<Vec<f64>, LinalgError> {
         let unknowns = self.best.len();
         // y = R(x − best): rows G R⁻¹
         let mut turned = Mat::from_fn(unknowns, rows.len(), |i, j| rows[j][i]);
@@ -209,7 +214,7 @@ impl LeastSquares {
             .zip(aims)
             .map(|(g, aim)| aim - g.iter().zip(&self.best).map(|(g, x)| g * x).sum::<f64>())
             .collect();
-        let y = least_distance(&turned.transpose().to_owned(), &h)?;
+        let y = least_distance_from(&turned.transpose().to_owned(), &h, multipliers)?;
         let y =
             y.ok_or(LinalgError::NoConvergence { what: "the constrained least squares", order: unknowns })?;
         let mut step = Mat::from_fn(unknowns, 1, |i, _| y[i]);
