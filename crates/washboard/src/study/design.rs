@@ -35,7 +35,11 @@ pub fn design(spec: &DesignSpec) -> Result<(DesignOutcome, Vec<Input>), StudyErr
     let mut outcome = DesignOutcome {
         status: DesignStatus::Designed,
         why: None,
-        design: DesignSpec { measurements: problem.asked_measurements(), ..spec.clone() },
+        design: DesignSpec {
+            measurements: problem.asked_measurements(),
+            lqg: (!spec.method.is_by_inequalities()).then(|| spec.noises()),
+            ..spec.clone()
+        },
         controller: None,
         order: None,
         claimed: Named::default(),
@@ -119,10 +123,14 @@ fn finish(
     k: &StateSpace<Continuous>,
     outcome: &mut DesignOutcome,
 ) -> Result<(), StudyError> {
-    let mut measured = problem.measure(Some(k))?;
+    let measured = match problem.measure(Some(k)) {
+        // a pole on the axis but for rounding
+        Err(StudyError::Ride { .. }) if problem.spec.method.is_by_inequalities() => Measured::default(),
+        measured => measured?,
+    };
     if !measured.stable {
         // of a robust gain, whose range need not hold the vehicle as stated
-        let slowest = measured.poles.iter().map(|p| p[0]).fold(f64::NEG_INFINITY, f64::max);
+        let slowest = measured.poles.iter().map(|p| p[0]).reduce(f64::max).unwrap_or(0.0);
         outcome.status = DesignStatus::Refused;
         outcome.why = Some(format!(
             "the loop with the vehicle as stated is not stable (a pole with real part {}): put it into the range, or state one that is \
@@ -131,6 +139,7 @@ fn finish(
         ));
         return Ok(());
     }
+    let mut measured = measured;
     if problem.spec.method == DesignMethod::Lqg {
         measured.rms_with_noise = design_warnings::with_noise(problem, k, &measured)?;
         outcome.warnings.extend(design_warnings::louder(problem, &outcome.passive, &measured));

@@ -1,6 +1,6 @@
 //! What the designs by matrix inequalities are told: poles, the Lyapunov scale, ranges, noise.
 
-use super::{DesignMethod, DesignSpec, StudyError};
+use super::{DesignMethod, DesignSpec, Named, StudyError};
 use crate::synthesis::{LyapunovScale, PoleRegion};
 use serde::{Deserialize, Serialize};
 
@@ -107,6 +107,10 @@ impl From<LyapunovScaleSpec> for LyapunovScale {
     }
 }
 
+fn twice<T: PartialEq>(all: &[T]) -> Option<&T> {
+    all.iter().enumerate().find(|(k, v)| all[..*k].contains(v)).map(|(_, v)| v)
+}
+
 fn setting(field: &'static str, expected: impl Into<String>, found: impl Into<String>) -> StudyError {
     StudyError::Setting { field, expected: expected.into(), found: found.into() }
 }
@@ -134,7 +138,8 @@ impl PolesSection {
             return Err(setting("poles.max_real_rad_s", expected, found.to_string()));
         }
         if let Some(found) = self.min_damping.filter(|v| !(*v > 0.0 && *v < 1.0)) {
-            return Err(setting("poles.min_damping", "a ratio between 0 and 1", found.to_string()));
+            let expected = "a ratio between 0 and 1, both left out (0.7 is a usual one; 1 asks for real poles only, which no open region holds)";
+            return Err(setting("poles.min_damping", expected, found.to_string()));
         }
         let least = |a: Option<f64>, b: Option<f64>| a.into_iter().chain(b).reduce(f64::min);
         let region = PoleRegion {
@@ -182,6 +187,35 @@ impl DesignSpec {
                     method.name()
                 );
                 return Err(setting(field, expected, "a value"));
+            }
+        }
+        if method.is_by_inequalities() && self.lqg.is_some() {
+            let of = if method == DesignMethod::MixedH2Hinf {
+                "the sensors' noise is mixed.sensor_noise"
+            } else {
+                "its states have no noise"
+            };
+            let expected = format!("nothing with method {}: {of}", method.name());
+            return Err(setting("lqg", expected, "a section"));
+        }
+        if let Some(at) = self.truncate_to.iter().position(|order| *order == 0) {
+            let expected = "orders of at least 1";
+            return Err(setting("truncate_to", expected, format!("0 in place {}", at + 1)));
+        }
+        if let Some(order) = twice(&self.truncate_to) {
+            return Err(setting("truncate_to", "each order once", format!("{order} twice")));
+        }
+        if let Some(at) = self.plant.iter().position(Named::is_empty).filter(|_| self.plant.len() == 1) {
+            let found = format!("nothing in [[plant]] number {}", at + 1);
+            return Err(setting("plant", "fields of the vehicle and their values", found));
+        }
+        for (name, members) in g.groups.iter() {
+            if let Some(output) = twice(members) {
+                return Err(setting(
+                    "goal.groups",
+                    "each output once",
+                    format!("`{output}` twice in `{name}`"),
+                ));
             }
         }
         for (field, given, own) in [
@@ -232,7 +266,11 @@ impl DesignSpec {
         }
         for (name, [low, high]) in self.range.iter() {
             if !(low.is_finite() && high.is_finite() && low < high) {
-                let found = format!("{name} = [{low}, {high}]");
+                let found = format!(
+                    "{name} = [{}, {}]",
+                    super::design_goal::plain(*low),
+                    super::design_goal::plain(*high)
+                );
                 return Err(setting("range", "two finite numbers, the smaller one first", found));
             }
         }
