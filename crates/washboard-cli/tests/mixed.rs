@@ -391,11 +391,6 @@ fn wrong_designs_are_answered_by_field() {
         ("[goal]\n", "[goal]\nmax_pole_rad_s = 10.0\n", "a state feedback has no poles of its own"),
         (
             "[goal]\n",
-            "[goal]\nbound_h2 = { suspension_travel = 1.0 }\n",
-            "goal.bound_h2: expected nothing yet",
-        ),
-        (
-            "[goal]\n",
             "[goal]\ngroups = { sprung_acceleration = [\"tire_deflection\"] }\n",
             "names that are not outputs",
         ),

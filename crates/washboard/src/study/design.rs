@@ -124,13 +124,15 @@ fn finish(
     outcome: &mut DesignOutcome,
 ) -> Result<(), StudyError> {
     let measured = match problem.measure(Some(k)) {
-        // a pole on the axis but for rounding
-        Err(StudyError::Ride { .. }) if problem.spec.method.is_by_inequalities() => Measured::default(),
+        Err(StudyError::Ride { .. }) if problem.spec.method.is_by_inequalities() => {
+            super::design_advice::hidden(problem, outcome);
+            return Ok(());
+        }
         measured => measured?,
     };
     if !measured.stable {
         // of a robust gain, whose range need not hold the vehicle as stated
-        let slowest = measured.poles.iter().map(|p| p[0]).reduce(f64::max).unwrap_or(0.0);
+        let slowest = measured.poles.iter().map(|p| p[0]).fold(f64::NEG_INFINITY, f64::max);
         outcome.status = DesignStatus::Refused;
         outcome.why = Some(format!(
             "the loop with the vehicle as stated is not stable (a pole with real part {}): put it into the range, or state one that is \

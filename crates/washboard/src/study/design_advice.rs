@@ -105,6 +105,16 @@ pub(super) fn unconfirmed(problem: &Problem, pole: C64, outcome: &mut DesignOutc
     outcome.why = Some(short_numbers(&text));
 }
 
+/// The loop has a pole at 0 beside others so fast that rounding hides whether it is stable.
+pub(super) fn hidden(problem: &Problem, outcome: &mut DesignOutcome) {
+    outcome.status = DesignStatus::Refused;
+    let text = format!(
+        "a controller was found, but its loop has a mode next to 0 beside others so fast that rounding hides whether it is stable. {}",
+        room(problem, &outcome.passive)
+    );
+    outcome.why = Some(short_numbers(&text));
+}
+
 /// A controller that its own loop contradicts.
 pub(super) fn contradicted(e: &SynthesisError, problem: &Problem, passive: &Measured) -> Option<String> {
     let what = match e {
@@ -147,11 +157,10 @@ fn room(problem: &Problem, passive: &Measured) -> String {
     {
         state.push(format!("input_weight = {:.0e} (the forces cost nothing)", LIGHT * w));
     }
-    if spec.poles.is_none() {
-        state.extend(region(passive).map(|r| format!("poles = {r}")));
-    }
+    let poles = region(passive).filter(|_| spec.poles.is_none());
+    let poles = poles.map_or_else(String::new, |r| format!(", or poles = {r}"));
     if !state.is_empty() {
-        return format!("State, one after another or together: {}", state.join(", "));
+        return format!("State, one after another or together: {}{poles}", state.join(", "));
     }
     let wider = if problem.has_bounds() { ", wider bounds" } else { "" };
     let noise = if is_mixed {
@@ -159,7 +168,10 @@ fn room(problem: &Problem, passive: &Measured) -> String {
     } else {
         String::new()
     };
-    format!("Try {noise}input_weight = {:e}, a wider region of poles{wider}", 100.0 * spec.input_weight)
+    format!(
+        "Try {noise}input_weight = {:e}{poles}, a wider region of poles{wider}",
+        100.0 * spec.input_weight
+    )
 }
 
 /// A region of poles that is a car's, as it is written.

@@ -85,7 +85,7 @@ pub(super) fn high_gain(problem: &Problem, passive: &Measured, k: &StateSpace<Co
     let ((times, gain, own, what), name, unit) = all.max_by(|a, b| a.0.0.total_cmp(&b.0.0))?;
     (times > FAST && own > 0.0).then(|| {
         let text = format!(
-            "the gain of {name} is {} N per {unit}, {} times the vehicle's own {what} ({}): a direction of the states costs next to nothing, and \
+            "the gain of {name} is {} N per {unit}, {} times the vehicle's own {what} ({} N per {unit}): a direction of the states costs next to nothing, and \
              no actuator does that; {}",
             short(gain),
             short(times),

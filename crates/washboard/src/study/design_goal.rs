@@ -150,7 +150,7 @@ pub(super) fn plain(v: f64) -> String {
     }
 }
 
-fn above_zero(field: &'static str, named: &Named<f64>) -> Result<(), StudyError> {
+pub(super) fn above_zero(field: &'static str, named: &Named<f64>) -> Result<(), StudyError> {
     match named.iter().find(|(_, v)| !BOUNDS.contains(*v)) {
         Some((name, v)) => {
             let expected = "multiples of the passive norm, above 0, from 1e-9 to 1e9";

@@ -14,9 +14,11 @@ use crate::synthesis::{PoleRegion, SynthesisError};
 
 /// Shares of the objective that are given up, one after another.
 const BACK_OFFS: [f64; 4] = [1e-2, 5e-2, 0.2, 0.5];
-/// A pole nearer to the axis than this share of the largest is on it but for rounding: the loop's eigenvalues are known to
+/// A pole nearer to the axis than this share of the largest may be on it but for rounding: a loop's eigenvalues are known to
 /// about ε times a condition of 1e6.
 const AT_REST: f64 = 1e-10;
+/// One that is not slower than the vehicle's slowest by this is not: a loop may have very fast poles beside it.
+const SLOW: f64 = 1e-3;
 /// Where rounding leaves a pole there, the loop's are kept left of the vehicle's slowest times this.
 const MARGIN: f64 = 0.1;
 
@@ -98,6 +100,8 @@ impl<T> Kept<T> {
 struct Search<'a, T, S> {
     problem: &'a Problem,
     solve: S,
+    /// The vehicle's slowest decay, 1/s.
+    slowest: f64,
     nearest: Option<[f64; 2]>,
     failed: Option<Failure>,
     /// The first with a pole at rest.
@@ -122,7 +126,14 @@ pub(super) fn within<T>(
         arounds.push(Around { region, bounded: true, margin: None });
     }
     let margins: Vec<Around> = arounds.iter().filter_map(|a| a.with_margin(outcome)).collect();
-    let mut search = Search { problem, solve, nearest: None, failed: None, resting: None };
+    let mut search = Search {
+        problem,
+        solve,
+        slowest: slowest(outcome).unwrap_or(f64::INFINITY),
+        nearest: None,
+        failed: None,
+        resting: None,
+    };
     for back_off in std::iter::once(asked).chain(BACK_OFFS.iter().copied().filter(|b| *b > asked)) {
         // nearer to the middle equations are better conditioned; a solver that stalls does so there too
         let better = matches!(search.failed, Some(Failure::Error(_) | Failure::AtRest(_)));
@@ -137,6 +148,8 @@ pub(super) fn within<T>(
                 Ended::Kept(kept) => return Ok(Some(said(problem, asked, kept, outcome))),
                 // what is added may be too much; what is asked may not
                 Ended::Infeasible(times) if first => {
+                    // what is possible may need a margin too
+                    arounds.extend(&margins);
                     let least = search.smallest(times, &arounds, asked);
                     infeasible(problem, least, true, outcome);
                     return Ok(None);
@@ -149,7 +162,7 @@ pub(super) fn within<T>(
         }
     }
     if search.nearest.is_some() {
-        if let Some(kept) = search.weighted(&arounds, asked, lighter(problem, &outcome.passive))? {
+        if let Some(kept) = search.weighted(&arounds, asked, &lighter(problem, &outcome.passive))? {
             return Ok(Some(said(problem, asked, kept, outcome)));
         }
         outcome.status = DesignStatus::Refused;
@@ -183,6 +196,12 @@ enum Ended<T> {
 }
 
 impl<T, S: Fn(Try) -> Result<Attempt<T>, SynthesisError>> Search<'_, T, S> {
+    /// A pole that is on the axis but for rounding.
+    fn at_rest(&self, poles: &[C64]) -> Option<C64> {
+        let largest = poles.iter().map(|p| p.norm()).fold(0.0, f64::max);
+        poles.iter().copied().find(|p| -p.re < (AT_REST * largest).min(SLOW * self.slowest))
+    }
+
     fn is_limited(&self) -> bool {
         let goal = &self.problem.spec.goal;
         goal.max_pole_rad_s.is_some() || goal.max_gain.is_some()
@@ -206,11 +225,6 @@ impl<T, S: Fn(Try) -> Result<Attempt<T>, SynthesisError>> Search<'_, T, S> {
         };
         let found = [fastest(&controller)?, largest_gain(&controller)?];
         let kept = Kept { controller, of, how: How { around, back_off, added_weight, found } };
-        if let Some(pole) = at_rest(&poles) {
-            self.failed.get_or_insert(Failure::AtRest(pole));
-            self.resting.get_or_insert(kept);
-            return Ok(Ended::Missed);
-        }
         let goal = &self.problem.spec.goal;
         if over(goal.max_pole_rad_s, found[0]) || over(goal.max_gain, found[1]) {
             let excess = |f: &[f64; 2]| {
@@ -222,35 +236,59 @@ impl<T, S: Fn(Try) -> Result<Attempt<T>, SynthesisError>> Search<'_, T, S> {
             }
             return Ok(Ended::Missed);
         }
+        if let Some(pole) = self.at_rest(&poles) {
+            self.failed.get_or_insert(Failure::AtRest(pole));
+            self.resting.get_or_insert(kept);
+            return Ok(Ended::Missed);
+        }
         Ok(Ended::Kept(kept))
     }
 
-    /// The least of the weights, in ascending order, that keeps to the limits, and then a smaller one between.
+    /// The least of the weights, in ascending order, that keeps to the limits, by bisection, and then a smaller one between.
     fn weighted(
         &mut self,
         arounds: &[Around],
         asked: f64,
-        weights: Vec<f64>,
+        weights: &[f64],
     ) -> Result<Option<Kept<T>>, SynthesisError> {
         const HALVINGS: usize = 3;
         if self.problem.spec.goal.max_gain.is_none() {
             return Ok(None);
         }
-        let mut low = None;
-        for weight in weights {
-            for around in arounds {
-                let Ended::Kept(mut best) = self.one(*around, asked, weight)? else { continue };
-                let Some(mut low) = low else { return Ok(Some(best)) };
-                for _ in 0..HALVINGS {
-                    let middle = f64::sqrt(low * best.how.added_weight);
-                    match self.one(*around, asked, middle)? {
-                        Ended::Kept(kept) => best = kept,
-                        _ => low = middle,
-                    }
-                }
-                return Ok(Some(best));
+        let mut best: Option<Kept<T>> = None;
+        let (mut low, mut high) = (0, weights.len());
+        while low < high {
+            let middle = usize::midpoint(low, high);
+            match self.around(arounds, asked, weights[middle])? {
+                Some(kept) => (best, high) = (Some(kept), middle),
+                None => low = middle + 1,
             }
-            low = Some(weight);
+        }
+        // weights below `high` are too small
+        if let Some(mut least) = high.checked_sub(1).map(|k| weights[k]) {
+            for _ in 0..HALVINGS {
+                let Some(kept) = &best else { break };
+                let middle = f64::sqrt(least * kept.how.added_weight);
+                match self.around(arounds, asked, middle)? {
+                    Some(kept) => best = Some(kept),
+                    None => least = middle,
+                }
+            }
+        }
+        Ok(best)
+    }
+
+    /// The first of the regions that gives a controller.
+    fn around(
+        &mut self,
+        arounds: &[Around],
+        back_off: f64,
+        added_weight: f64,
+    ) -> Result<Option<Kept<T>>, SynthesisError> {
+        for around in arounds {
+            if let Ended::Kept(kept) = self.one(*around, back_off, added_weight)? {
+                return Ok(Some(kept));
+            }
         }
         Ok(None)
     }
@@ -259,10 +297,11 @@ impl<T, S: Fn(Try) -> Result<Attempt<T>, SynthesisError>> Search<'_, T, S> {
     fn smallest(&self, least: Option<f64>, arounds: &[Around], asked: f64) -> Option<f64> {
         let tightest = self.problem.bounds().map(|(_, b)| b).reduce(f64::min)?;
         let met = |times: f64| {
-            arounds.iter().any(|around| {
+            // what was added last is what it took before
+            arounds.iter().rev().any(|around| {
                 let asked = Try { times, back_off: asked, region: around.region, added_weight: 0.0 };
                 match (self.solve)(asked) {
-                    Ok(Attempt::Found { poles, .. }) => at_rest(&poles).is_none(),
+                    Ok(Attempt::Found { poles, .. }) => self.at_rest(&poles).is_none(),
                     _ => false,
                 }
             })
@@ -274,10 +313,7 @@ impl<T, S: Fn(Try) -> Result<Attempt<T>, SynthesisError>> Search<'_, T, S> {
 impl Around {
     /// The same left of a margin, where it does not ask for that itself.
     fn with_margin(&self, outcome: &DesignOutcome) -> Option<Self> {
-        let poles = &outcome.passive.poles;
-        let largest = poles.iter().map(|p| p[0].hypot(p[1])).fold(0.0, f64::max);
-        let damped = poles.iter().map(|p| -p[0]).filter(|d| *d > AT_REST * largest);
-        let margin = MARGIN * damped.reduce(f64::min)?;
+        let margin = MARGIN * slowest(outcome)?;
         let r = self.region;
         let room = [r.within, r.slower_than].into_iter().flatten().all(|far| margin < far);
         let new = r.faster_than.is_none_or(|own| own < margin);
@@ -286,10 +322,11 @@ impl Around {
     }
 }
 
-/// A pole that is on the axis but for rounding.
-fn at_rest(poles: &[C64]) -> Option<C64> {
-    let largest = poles.iter().map(|p| p.norm()).fold(0.0, f64::max);
-    poles.iter().copied().find(|p| -p.re < AT_REST * largest)
+/// The vehicle's slowest decay that is one.
+fn slowest(outcome: &DesignOutcome) -> Option<f64> {
+    let poles = &outcome.passive.poles;
+    let largest = poles.iter().map(|p| p[0].hypot(p[1])).fold(0.0, f64::max);
+    poles.iter().map(|p| -p[0]).filter(|d| *d > AT_REST * largest).reduce(f64::min)
 }
 
 fn over(limit: Option<f64>, found: f64) -> bool {

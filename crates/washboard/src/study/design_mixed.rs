@@ -34,8 +34,15 @@ pub(super) fn goals(problem: &Problem, plant: &GeneralizedPlant, asked: Try) -> 
         weight: (p.block.weight / p.block.passive).powi(2),
         bound: p.bound.map(|b| times * b * p.block.passive),
     };
+    let minimised = asked.then(|| H2Goal { outputs, weight: 1.0, ..H2Goal::default() });
+    // over the passive norm: of order one
+    let bounded = problem.bounded.iter().map(|g| H2Goal {
+        outputs: of(g, 1.0 / g.passive),
+        bound: Some(times * g.weight),
+        ..H2Goal::default()
+    });
     MixedGoals {
-        h2: asked.then(|| H2Goal { outputs, weight: 1.0, ..H2Goal::default() }),
+        h2: minimised.into_iter().chain(bounded).collect(),
         hinf: problem.peaks.iter().map(peak).collect(),
         region,
         scale: problem.spec.lyapunov_scale.into(),
@@ -122,22 +129,28 @@ pub(super) fn claims(
         |of: &dyn Fn(&MixedAchieved) -> f64| achieved.iter().map(of).fold(f64::NEG_INFINITY, f64::max);
     let value = |a: &MixedAchieved| {
         let peaks = goals.hinf.iter().zip(&a.hinf).map(|(g, v)| g.weight * v * v).sum::<f64>();
-        peaks + goals.h2.as_ref().zip(a.h2).map_or(0.0, |(g, v)| g.weight * v * v)
+        peaks + goals.h2.iter().zip(&a.h2).map(|(g, v)| g.weight * v * v).sum::<f64>()
     };
-    let minimised = goals.h2.is_some() || goals.hinf.iter().any(|g| g.weight > 0.0);
+    let weighted = goals.h2.iter().take_while(|g| g.weight > 0.0).count();
+    let minimised = weighted > 0 || goals.hinf.iter().any(|g| g.weight > 0.0);
     if minimised {
         outcome.claimed.insert("objective", claims.objective);
         outcome.claimed.insert("objective_recomputed", worst(&value));
     }
-    if let Some(h2) = claims.h2 {
-        outcome.claimed.insert("h2", h2);
-        outcome.claimed.insert("h2_recomputed", worst(&|a| a.h2.unwrap_or(0.0)));
+    if let Some(h2) = claims.h2.first().filter(|_| weighted > 0) {
+        outcome.claimed.insert("h2", *h2);
+        outcome.claimed.insert("h2_recomputed", worst(&|a| a.h2[0]));
+    }
+    for (k, block) in problem.bounded.iter().enumerate() {
+        let (name, k) = (&block.name, weighted + k);
+        outcome.claimed.insert(format!("h2_{name}"), claims.h2[k] * block.passive);
+        outcome.claimed.insert(format!("h2_{name}_recomputed"), worst(&|a| a.h2[k]) * block.passive);
     }
     for (k, (peak, claimed)) in problem.peaks.iter().zip(&claims.hinf).enumerate() {
         let name = &peak.block.name;
         outcome.claimed.insert(format!("hinf_{name}"), *claimed);
         outcome.claimed.insert(format!("hinf_{name}_recomputed"), worst(&|a| a.hinf[k]));
-        if claims.h2.is_some() {
+        if !claims.h2.is_empty() {
             outcome.claimed.insert(format!("lyapunov_scale_{name}"), claims.scales[k]);
         }
     }

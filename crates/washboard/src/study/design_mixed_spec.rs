@@ -1,5 +1,6 @@
 //! What the designs by matrix inequalities are told: poles, the Lyapunov scale, ranges, noise.
 
+use super::design_goal::above_zero;
 use super::{DesignMethod, DesignSpec, Named, StudyError};
 use crate::synthesis::{LyapunovScale, PoleRegion};
 use serde::{Deserialize, Serialize};
@@ -198,10 +199,6 @@ impl DesignSpec {
             let expected = format!("nothing with method {}: {of}", method.name());
             return Err(setting("lqg", expected, "a section"));
         }
-        if let Some(at) = self.truncate_to.iter().position(|order| *order == 0) {
-            let expected = "orders of at least 1";
-            return Err(setting("truncate_to", expected, format!("0 in place {}", at + 1)));
-        }
         if let Some(order) = twice(&self.truncate_to) {
             return Err(setting("truncate_to", "each order once", format!("{order} twice")));
         }
@@ -238,10 +235,7 @@ impl DesignSpec {
                 return Err(setting(field, "a positive, finite number", found.to_string()));
             }
         }
-        if !g.bound_h2.is_empty() {
-            let expected = "nothing yet: minimise H2 norms, and bound H∞ norms (goal.bound)";
-            return Err(setting("goal.bound_h2", expected, "bounds"));
-        }
+        above_zero("goal.bound_h2", &g.bound_h2)?;
         if let LyapunovScaleSpec::Number(s) = self.lyapunov_scale
             && !((1e-6..=1e6).contains(&s))
         {

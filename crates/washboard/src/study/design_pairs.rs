@@ -1,4 +1,4 @@
-//! Lists of exactly two numbers in a design's file: a list of three is not one of two with something behind it.
+//! Lists of numbers in a design's file, refused by their field: a list of three is not one of two with something behind it.
 
 use super::Named;
 use serde::de::{Error, IgnoredAny};
@@ -48,4 +48,26 @@ pub(super) fn ranges<'de, D: Deserializer<'de>>(d: D) -> Result<Named<[f64; 2]>,
 pub(super) fn psi<'de, D: Deserializer<'de>>(d: D) -> Result<Option<[f64; 2]>, D::Error> {
     let written: Option<Written> = Option::deserialize(d)?;
     written.map(|w| two("interpolation.psi", w)).transpose().map_err(D::Error::custom)
+}
+
+/// `truncate_to`: whole numbers above 0.
+pub(super) fn orders<'de, D: Deserializer<'de>>(d: D) -> Result<Vec<usize>, D::Error> {
+    #[derive(Deserialize)]
+    #[serde(untagged)]
+    enum Orders {
+        Numbers(Vec<f64>),
+        Other(IgnoredAny),
+    }
+    /// More states than any controller has.
+    const MOST: f64 = 1e6;
+    let wrong = |found: String| {
+        D::Error::custom(format!("truncate_to: expected a list of whole numbers from 1, found {found}"))
+    };
+    match Orders::deserialize(d)? {
+        Orders::Numbers(all) => match all.iter().find(|v| !(v.fract() == 0.0 && (1.0..=MOST).contains(*v))) {
+            Some(v) => Err(wrong(v.to_string())),
+            None => Ok(all.into_iter().map(|v| v as usize).collect()),
+        },
+        Orders::Other(_) => Err(wrong("something else".to_owned())),
+    }
 }

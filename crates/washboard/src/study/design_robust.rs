@@ -105,7 +105,11 @@ impl Vertex {
         let wrong = |found: String| StudyError::Setting {
             field,
             expected: "fields and values of the vehicle".into(),
-            found: format!("{}: {found}", words(&at)),
+            found: if found.ends_with("expected a finite number") {
+                format!("{}: values so small or large that the vehicle's equations overflow", words(&at))
+            } else {
+                format!("{}: {found}", words(&at))
+            },
         };
         let own = problem.at(&fields).map_err(|e| match e {
             StudyError::Vehicle { source, .. } if !fields.is_empty() => wrong(source.to_string()),

@@ -63,7 +63,11 @@ pub struct DesignSpec {
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub plant: Vec<Named<f64>>,
     /// Orders to which the controller is truncated too, each in its own loop (`mixed-h2-hinf`).
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[serde(
+        default,
+        skip_serializing_if = "Vec::is_empty",
+        deserialize_with = "super::design_pairs::orders"
+    )]
     pub truncate_to: Vec<usize>,
     /// Noise and back-off of `mixed-h2-hinf`.
     #[serde(default, skip_serializing_if = "Option::is_none")]

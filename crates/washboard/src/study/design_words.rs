@@ -101,6 +101,8 @@ impl DesignOutcome {
                 let unit = |output: &str| self.units.get(output).cloned().unwrap_or_default();
                 if let Some(output) = other.strip_prefix("rms_") {
                     (format!("rms of {output} by formula"), unit(output))
+                } else if let Some(output) = other.strip_prefix("h2_") {
+                    (format!("H2 norm of {output}"), unit(output))
                 } else if let Some(output) = other.strip_prefix("hinf_") {
                     (format!("largest gain of {output}"), format!("{} per {}", unit(output), self.per()))
                 } else if let Some(output) = other.strip_prefix("lyapunov_scale_") {
