@@ -6,7 +6,8 @@ use super::design_outcome::{ControllerFile, DesignOutcome, DesignStatus, Gains, 
 use super::design_problem::{GoalBlock, Norm, Problem};
 use super::{DesignMethod, DesignSpec, Flag, Input, Named, StudyError};
 use super::{
-    design_interpolation, design_mixed, design_robust, design_truncated, design_warnings, design_words,
+    design_advice, design_interpolation, design_mixed, design_robust, design_truncated, design_warnings,
+    design_words,
 };
 use crate::lti::{Continuous, StateSpace};
 use crate::synthesis::SynthesisError;
@@ -76,9 +77,14 @@ pub fn design(spec: &DesignSpec) -> Result<(DesignOutcome, Vec<Input>), StudyErr
         },
         DesignMethod::H2Limit => by_limit(&problem, &goal, &mut outcome).map(|()| None),
     };
-    let controller = match found {
-        Ok(controller) => controller,
-        Err(e) => {
+    let overflow = outcome.claimed.iter().find(|(_, v)| !v.is_finite()).map(|(name, _)| name.to_owned());
+    let controller = match (found, overflow) {
+        (Ok(_), Some(name)) => {
+            design_advice::overflowed(&name, &problem, &mut outcome);
+            None
+        }
+        (Ok(controller), None) => controller,
+        (Err(e), _) => {
             outcome.status = status_of(&e, outcome.passive.stable);
             outcome.why = Some(design_words::why(&e, &problem, &outcome.passive));
             None
@@ -125,7 +131,7 @@ fn finish(
 ) -> Result<(), StudyError> {
     let measured = match problem.measure(Some(k)) {
         Err(StudyError::Ride { .. }) if problem.spec.method.is_by_inequalities() => {
-            super::design_advice::hidden(problem, outcome);
+            design_advice::hidden(problem, outcome);
             return Ok(());
         }
         measured => measured?,

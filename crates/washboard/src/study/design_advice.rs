@@ -1,9 +1,9 @@
 //! Why the methods by inequalities gave no controller, and what to state instead, with magnitudes.
 
-use super::DesignMethod;
 use super::design_outcome::{DesignOutcome, DesignStatus, Measured};
 use super::design_problem::Problem;
 use super::design_words::{short, short_numbers, usual_weight};
+use super::{DesignMethod, Named};
 use crate::linalg::C64;
 use crate::lti::LtiError;
 use crate::optimize::Measures;
@@ -100,6 +100,17 @@ pub(super) fn unconfirmed(problem: &Problem, pole: C64, outcome: &mut DesignOutc
          the loop's poles left of a margin and with more of the goal given up. {}",
         pole.re,
         pole.im,
+        room(problem, &outcome.passive)
+    );
+    outcome.why = Some(short_numbers(&text));
+}
+
+/// A promise that is no number.
+pub(super) fn overflowed(name: &str, problem: &Problem, outcome: &mut DesignOutcome) {
+    outcome.status = DesignStatus::Refused;
+    outcome.claimed = Named::default();
+    let text = format!(
+        "a controller was found, but its {name} overflows: weights, bounds and norms are too far apart. {}",
         room(problem, &outcome.passive)
     );
     outcome.why = Some(short_numbers(&text));

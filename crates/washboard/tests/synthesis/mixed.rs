@@ -106,6 +106,41 @@ fn the_quarter_cars_guaranteed_cost_is_the_notes() {
     }
 }
 
+/// Several H2 norms: two channels cost what they cost stacked, and a bound at a point of their trade-off gives that point
+/// (for H2 norms alone one Lyapunov matrix, the covariance, is exact).
+#[test]
+fn a_bounded_h2_norm_is_the_trade_offs_point() {
+    let car = quarter_car(50.0, &[0]);
+    let stacked = MixedGoals { hinf: vec![], ..goals(&car, 0.5, 1.0, FIXED) };
+    let outputs = stacked.h2[0].outputs.clone();
+    let channel = |k: usize, weight: f64, bound: Option<f64>| H2Goal {
+        outputs: vec![outputs[k]],
+        weight,
+        bound,
+        ..H2Goal::default()
+    };
+    let apart = MixedGoals { h2: vec![channel(0, 1.0, None), channel(1, 1.0, None)], ..stacked.clone() };
+    let cars = std::slice::from_ref(&car);
+    let (one, two) = (feedback(cars, &stacked), feedback(cars, &apart));
+    assert!((one.claims.objective / two.claims.objective - 1.0).abs() < 1e-6);
+    let [comfort, travel] = two.achieved[0].h2[..] else { panic!("{:?}", two.achieved) };
+    assert!((comfort.hypot(travel) / one.achieved[0].h2[0] - 1.0).abs() < 1e-4);
+    let bounded =
+        MixedGoals { h2: vec![channel(0, 1.0, None), channel(1, 0.0, Some(travel))], ..stacked.clone() };
+    let found = feedback(cars, &bounded);
+    let [a, t] = found.achieved[0].h2[..] else { panic!("{:?}", found.achieved) };
+    assert!((a / comfort - 1.0).abs() < 1e-4 && t <= travel * (1.0 + 1e-6), "{a} {comfort}, {t} {travel}");
+    assert!((found.claims.objective.sqrt() / comfort - 1.0).abs() < 1e-4);
+    // by output feedback, which has all states but for noise
+    let seen = quarter_car(50.0, &[0, 1, 2]);
+    let wide = controller(&seen, &apart);
+    let [comfort, travel] = wide.achieved.h2[..] else { panic!("{:?}", wide.achieved) };
+    let bounded = MixedGoals { h2: vec![channel(0, 1.0, None), channel(1, 0.0, Some(travel))], ..stacked };
+    let found = controller(&seen, &bounded);
+    // both give up `back_off` of their own cost
+    assert!((found.achieved.h2[0] / comfort - 1.0).abs() < 5e-3 && found.achieved.h2[1] <= travel * 1.0001);
+}
+
 /// Where γ² is minimised too, the program is not linear in the scale, and the scale is searched: no number does better.
 #[test]
 fn the_scale_that_is_searched_is_the_best() {
