@@ -35,9 +35,16 @@ pub(super) struct Try {
 
 /// How one try ended.
 pub(super) enum Attempt<T> {
-    Found { controller: StateSpace<Continuous>, of: T, poles: Vec<C64> },
+    Found(Box<Made<T>>),
     Infeasible(Option<f64>),
     Stalled(Measures),
+}
+
+/// A controller, what it was made with, and the poles of all its loops.
+pub(super) struct Made<T> {
+    pub controller: StateSpace<Continuous>,
+    pub of: T,
+    pub poles: Vec<C64>,
 }
 
 /// A controller that keeps to the limits.
@@ -145,7 +152,7 @@ pub(super) fn within<T>(
             let first = k == 0 && search.nearest.is_none() && search.failed.is_none();
             k += 1;
             match search.one(around, back_off, 0.0)? {
-                Ended::Kept(kept) => return Ok(Some(said(problem, asked, kept, outcome))),
+                Ended::Kept(kept) => return Ok(Some(said(problem, asked, *kept, outcome))),
                 // what is added may be too much; what is asked may not
                 Ended::Infeasible(times) if first => {
                     // what is possible may need a margin too
@@ -190,7 +197,7 @@ pub(super) fn within<T>(
 }
 
 enum Ended<T> {
-    Kept(Kept<T>),
+    Kept(Box<Kept<T>>),
     Infeasible(Option<f64>),
     Missed,
 }
@@ -210,7 +217,7 @@ impl<T, S: Fn(Try) -> Result<Attempt<T>, SynthesisError>> Search<'_, T, S> {
     fn one(&mut self, around: Around, back_off: f64, added_weight: f64) -> Result<Ended<T>, SynthesisError> {
         let tried = (self.solve)(Try { times: 1.0, back_off, region: around.region, added_weight });
         let (controller, of, poles) = match tried {
-            Ok(Attempt::Found { controller, of, poles }) => (controller, of, poles),
+            Ok(Attempt::Found(made)) => (made.controller, made.of, made.poles),
             Ok(Attempt::Infeasible(times)) => return Ok(Ended::Infeasible(times)),
             Ok(Attempt::Stalled(measures)) => {
                 if self.nearest.is_none() {
@@ -241,7 +248,7 @@ impl<T, S: Fn(Try) -> Result<Attempt<T>, SynthesisError>> Search<'_, T, S> {
             self.resting.get_or_insert(kept);
             return Ok(Ended::Missed);
         }
-        Ok(Ended::Kept(kept))
+        Ok(Ended::Kept(Box::new(kept)))
     }
 
     /// The least of the weights, in ascending order, that keeps to the limits, by bisection, and then a smaller one between.
@@ -287,7 +294,7 @@ impl<T, S: Fn(Try) -> Result<Attempt<T>, SynthesisError>> Search<'_, T, S> {
     ) -> Result<Option<Kept<T>>, SynthesisError> {
         for around in arounds {
             if let Ended::Kept(kept) = self.one(*around, back_off, added_weight)? {
-                return Ok(Some(kept));
+                return Ok(Some(*kept));
             }
         }
         Ok(None)
@@ -296,15 +303,14 @@ impl<T, S: Fn(Try) -> Result<Attempt<T>, SynthesisError>> Search<'_, T, S> {
     /// The smallest factor on all bounds with which there is a controller.
     fn smallest(&self, least: Option<f64>, arounds: &[Around], asked: f64) -> Option<f64> {
         let tightest = self.problem.bounds().map(|(_, b)| b).reduce(f64::min)?;
+        // what was added last is what it took before
+        let around = arounds.iter().rev().find(|a| !a.bounded)?;
         let met = |times: f64| {
-            // what was added last is what it took before
-            arounds.iter().rev().any(|around| {
-                let asked = Try { times, back_off: asked, region: around.region, added_weight: 0.0 };
-                match (self.solve)(asked) {
-                    Ok(Attempt::Found { poles, .. }) => self.at_rest(&poles).is_none(),
-                    _ => false,
-                }
-            })
+            let asked = Try { times, back_off: asked, region: around.region, added_weight: 0.0 };
+            match (self.solve)(asked) {
+                Ok(Attempt::Found(made)) => self.at_rest(&made.poles).is_none(),
+                _ => false,
+            }
         };
         smallest(least, tightest, met)
     }

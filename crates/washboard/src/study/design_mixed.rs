@@ -1,7 +1,7 @@
 //! `method = "mixed-h2-hinf"`: from a design's goals to matrix inequalities, and what they promise beside what is so.
 
 use super::Flag;
-use super::design_limits::{self, Attempt, Try};
+use super::design_limits::{self, Attempt, Made, Try};
 use super::design_methods::Found;
 use super::design_outcome::DesignOutcome;
 use super::design_problem::{GoalBlock, Problem};
@@ -86,11 +86,11 @@ pub(super) fn by_mixed(problem: &Problem, alone: &Problem, outcome: &mut DesignO
         let weighted = if tried.added_weight > 0.0 { &plant(alone, tried.added_weight)? } else { &whole };
         let goals = goals(alone, weighted, tried);
         Ok(match mixed_h2_hinf(weighted, &goals, &settings)? {
-            MixedEnd::Found(found) => Attempt::Found {
+            MixedEnd::Found(found) => Attempt::Found(Box::new(Made {
                 controller: found.controller.clone(),
                 poles: found.achieved.poles.clone(),
                 of: found,
-            },
+            })),
             MixedEnd::Infeasible { bounds_times, .. } => Attempt::Infeasible(bounds_times),
             MixedEnd::Stalled(measures) => Attempt::Stalled(measures),
         })

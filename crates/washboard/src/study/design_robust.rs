@@ -1,7 +1,7 @@
 //! `method = "robust-state-feedback"`: one gain from the vehicle's states for all vehicles of a range.
 
 use super::design_gains::high_gain;
-use super::design_limits::{Attempt, Try, within};
+use super::design_limits::{Attempt, Made, Try, within};
 use super::design_methods::Found;
 use super::design_mixed::{claims, goals, iterations};
 use super::design_outcome::{ControllerFile, DesignOutcome, DesignVertex};
@@ -161,9 +161,9 @@ pub(super) fn by_robust(problem: &Problem, family: &Family, outcome: &mut Design
     if family.is_many() {
         let own = std::slice::from_ref(&family.stated.plant);
         match feedback(&family.stated.problem, own, as_asked)? {
-            Attempt::Found { controller, of, .. } => {
-                outcome.claimed.insert("nominal_objective", of.claims.objective);
-                outcome.nominal = Some(named(problem, &controller));
+            Attempt::Found(made) => {
+                outcome.claimed.insert("nominal_objective", made.of.claims.objective);
+                outcome.nominal = Some(named(problem, &made.controller));
             }
             _ => {
                 let text =
@@ -195,7 +195,8 @@ fn feedback(
     Ok(match robust_state_feedback(plants, &all, &settings)? {
         MixedEnd::Found(of) => {
             let poles = of.achieved.iter().flat_map(|a| a.poles.iter().copied()).collect();
-            Attempt::Found { controller: StateSpace::continuous_gain(of.gain.clone())?, of, poles }
+            let controller = StateSpace::continuous_gain(of.gain.clone())?;
+            Attempt::Found(Box::new(Made { controller, of, poles }))
         }
         MixedEnd::Infeasible { bounds_times, .. } => Attempt::Infeasible(bounds_times),
         MixedEnd::Stalled(measures) => Attempt::Stalled(measures),

@@ -1,4 +1,4 @@
-//! The smallest bounds that can be kept, where those asked cannot: a bisection over one factor on all of them.
+//! The smallest bounds that can be kept, where those asked cannot: one factor on all of them, upwards, then by bisection.
 
 /// It is found to this share.
 const NEAR_BOUND: f64 = 0.01;
@@ -12,6 +12,7 @@ const MOST: f64 = 1e3;
 pub(super) fn smallest(least: Option<f64>, tightest: f64, met: impl Fn(f64) -> bool) -> Option<f64> {
     let most = MOST / tightest.min(1.0);
     let mut low = least.filter(|l| l.is_finite()).unwrap_or(1.0).max(1.0);
+    // from below: where rounding decides, what is possible may have gaps
     if least.is_none() && !met(most) {
         return None;
     }
@@ -36,7 +37,7 @@ pub(super) fn smallest(least: Option<f64>, tightest: f64, met: impl Fn(f64) -> b
 mod tests {
     use super::*;
 
-    /// Thresholds over twelve decades are found from above, to a per cent, in at most 24 tries.
+    /// Thresholds over twelve decades are found, to a per cent, in at most 24 tries.
     #[test]
     fn a_threshold_is_found_over_decades() {
         for threshold in [1.005, 3.0, 5.4e2, 1e5, 7e8] {
