@@ -303,14 +303,15 @@ impl<T, S: Fn(Try) -> Result<Attempt<T>, SynthesisError>> Search<'_, T, S> {
     /// The smallest factor on all bounds with which there is a controller.
     fn smallest(&self, least: Option<f64>, arounds: &[Around], asked: f64) -> Option<f64> {
         let tightest = self.problem.bounds().map(|(_, b)| b).reduce(f64::min)?;
-        // what was added last is what it took before
-        let around = arounds.iter().rev().find(|a| !a.bounded)?;
         let met = |times: f64| {
-            let asked = Try { times, back_off: asked, region: around.region, added_weight: 0.0 };
-            match (self.solve)(asked) {
-                Ok(Attempt::Found(made)) => self.at_rest(&made.poles).is_none(),
-                _ => false,
-            }
+            // what was added last is what it took before
+            arounds.iter().rev().any(|around| {
+                let asked = Try { times, back_off: asked, region: around.region, added_weight: 0.0 };
+                match (self.solve)(asked) {
+                    Ok(Attempt::Found(made)) => self.at_rest(&made.poles).is_none(),
+                    _ => false,
+                }
+            })
         };
         smallest(least, tightest, met)
     }
