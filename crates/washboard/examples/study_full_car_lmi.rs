@@ -52,7 +52,9 @@ fn design(
         println!("λ {lambda:.1} μ {mu}: {end:?}");
         return Ok(None);
     };
-    let (Some(claimed), Some(h2)) = (found.claims.h2, found.achieved.h2) else { return Ok(None) };
+    let (Some(claimed), Some(h2)) = (found.claims.h2.first(), found.achieved.h2.first()) else {
+        return Ok(None);
+    };
     println!(
         "λ {lambda:.1} μ {mu}, poles left of −{decay}: least cost {:.6}, controller {:.6}; ‖T₂‖ claimed {claimed:.6} has {h2:.6}, ‖T∞‖ {:.6} {:.6}; without √(1 − λ), √λ {:.6} {:.6} | {:?} {took:.2?}",
         found.optimum,

@@ -131,8 +131,17 @@ pub fn read_toml<T: DeserializeOwned>(path: &Path) -> Result<T, FileError> {
 pub fn parse_toml<T: DeserializeOwned>(text: &str, path: &Path) -> Result<T, FileError> {
     toml::from_str(text).map_err(|e| {
         let line = e.span().map(|s| text[..s.start.min(text.len())].matches('\n').count() + 1);
-        FileError::content(path, line, with_suggestion(e.message()))
+        FileError::content(path, line, in_words(&with_suggestion(e.message())))
     })
+}
+
+/// What serde calls by the names of types.
+fn in_words(message: &str) -> String {
+    let dotted = message.contains("invalid type: map, expected f64");
+    let said = message.replace("expected f64", "expected a number");
+    let said = said.replace("expected usize", "expected a whole number, not negative");
+    let said = said.replace("expected u64", "expected a whole number, not negative");
+    if dotted { said.replace("map", "table") + " (a name with a dot stands in quotes)" } else { said }
 }
 
 /// serde's `unknown field` lists every name; say the nearest one first.

@@ -76,7 +76,7 @@ impl HalfCar {
             bound: Some(rho2 * gain(&passive, &[2, 3])?),
         };
         Ok(MixedGoals {
-            h2: Some(H2Goal { outputs, weight: 1.0, ..H2Goal::default() }),
+            h2: vec![H2Goal { outputs, weight: 1.0, ..H2Goal::default() }],
             hinf: vec![tires],
             region: PoleRegion::default(),
             scale,
@@ -168,7 +168,7 @@ pub fn full_car_goals(
         bound: None,
     };
     Ok(MixedGoals {
-        h2: Some(H2Goal { outputs, weight: 1.0, disturbances: NOISES.to_vec(), bound: None }),
+        h2: vec![H2Goal { outputs, weight: 1.0, disturbances: NOISES.to_vec(), bound: None }],
         hinf: vec![tires],
         region: PoleRegion {
             faster_than: Some(decay),

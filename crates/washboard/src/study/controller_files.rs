@@ -80,7 +80,7 @@ pub fn controller_files(outcome: &DesignOutcome) -> Result<Vec<(String, Vec<u8>)
     if let Some(nominal) = &outcome.nominal {
         files.push(("controller-nominal.json".to_owned(), json(nominal)));
     }
-    for t in &outcome.truncated {
+    for t in outcome.truncated.iter().filter(|t| t.verified.stable) {
         files.push((format!("controller-order-{}.json", t.order), json(&t.controller)));
     }
     if let Some(discretize) = outcome.design.discretize {

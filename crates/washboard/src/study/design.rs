@@ -6,7 +6,8 @@ use super::design_outcome::{ControllerFile, DesignOutcome, DesignStatus, Gains, 
 use super::design_problem::{GoalBlock, Norm, Problem};
 use super::{DesignMethod, DesignSpec, Flag, Input, Named, StudyError};
 use super::{
-    design_interpolation, design_mixed, design_robust, design_truncated, design_warnings, design_words,
+    design_advice, design_interpolation, design_mixed, design_robust, design_truncated, design_warnings,
+    design_words,
 };
 use crate::lti::{Continuous, StateSpace};
 use crate::synthesis::SynthesisError;
@@ -35,7 +36,11 @@ pub fn design(spec: &DesignSpec) -> Result<(DesignOutcome, Vec<Input>), StudyErr
     let mut outcome = DesignOutcome {
         status: DesignStatus::Designed,
         why: None,
-        design: DesignSpec { measurements: problem.asked_measurements(), ..spec.clone() },
+        design: DesignSpec {
+            measurements: problem.asked_measurements(),
+            lqg: (!spec.method.is_by_inequalities()).then(|| spec.noises()),
+            ..spec.clone()
+        },
         controller: None,
         order: None,
         claimed: Named::default(),
@@ -72,9 +77,14 @@ pub fn design(spec: &DesignSpec) -> Result<(DesignOutcome, Vec<Input>), StudyErr
         },
         DesignMethod::H2Limit => by_limit(&problem, &goal, &mut outcome).map(|()| None),
     };
-    let controller = match found {
-        Ok(controller) => controller,
-        Err(e) => {
+    let overflow = outcome.claimed.iter().find(|(_, v)| !v.is_finite()).map(|(name, _)| name.to_owned());
+    let controller = match (found, overflow) {
+        (Ok(_), Some(name)) => {
+            design_advice::overflowed(&name, &problem, &mut outcome);
+            None
+        }
+        (Ok(controller), None) => controller,
+        (Err(e), _) => {
             outcome.status = status_of(&e, outcome.passive.stable);
             outcome.why = Some(design_words::why(&e, &problem, &outcome.passive));
             None
@@ -119,7 +129,13 @@ fn finish(
     k: &StateSpace<Continuous>,
     outcome: &mut DesignOutcome,
 ) -> Result<(), StudyError> {
-    let mut measured = problem.measure(Some(k))?;
+    let measured = match problem.measure(Some(k)) {
+        Err(StudyError::Ride { .. }) if problem.spec.method.is_by_inequalities() => {
+            design_advice::hidden(problem, outcome);
+            return Ok(());
+        }
+        measured => measured?,
+    };
     if !measured.stable {
         // of a robust gain, whose range need not hold the vehicle as stated
         let slowest = measured.poles.iter().map(|p| p[0]).fold(f64::NEG_INFINITY, f64::max);
@@ -131,6 +147,7 @@ fn finish(
         ));
         return Ok(());
     }
+    let mut measured = measured;
     if problem.spec.method == DesignMethod::Lqg {
         measured.rms_with_noise = design_warnings::with_noise(problem, k, &measured)?;
         outcome.warnings.extend(design_warnings::louder(problem, &outcome.passive, &measured));

@@ -83,7 +83,7 @@ impl DesignSpec {
             (true, true) => return Err(setting("goal.minimize", "outputs and their weights", "none".into())),
             (false, false) => return Err(setting(own_name, "either this or goal.minimize", "both".into())),
         };
-        at_least_zero("goal.minimize", "weights ≥ 0", weights)?;
+        at_least_zero("goal.minimize", weights)?;
         let may_be_none = mixes && weights.is_empty();
         if !may_be_none && weights.iter().all(|(_, w)| *w == 0.0) {
             let zeros = if weights.is_empty() { "none" } else { "zeros" };
@@ -109,7 +109,7 @@ impl DesignSpec {
                 parts.push(HinfPart { name: name.to_owned(), weight: 0.0, bound: Some(*bound) });
             }
         }
-        at_least_zero("goal.minimize_hinf", "weights ≥ 0", &g.minimize_hinf)?;
+        at_least_zero("goal.minimize_hinf", &g.minimize_hinf)?;
         for (name, weight) in g.minimize_hinf.iter().filter(|(_, w)| **w > 0.0) {
             match parts.iter_mut().find(|p| p.name == name) {
                 Some(part) => part.weight = *weight,
@@ -125,21 +125,36 @@ impl DesignSpec {
     }
 }
 
-pub(super) fn at_least_zero(
-    field: &'static str,
-    expected: &str,
-    named: &Named<f64>,
-) -> Result<(), StudyError> {
-    match named.iter().find(|(_, w)| !(w.is_finite() && **w >= 0.0)) {
-        Some((name, w)) => Err(setting(field, expected, format!("{name} = {w}"))),
+/// Weights are squared: beyond these no double holds what they make of the goal beside others.
+const WEIGHTS: std::ops::RangeInclusive<f64> = 1e-9..=1e9;
+/// Multiples of passive norms.
+const BOUNDS: std::ops::RangeInclusive<f64> = 1e-9..=1e9;
+
+fn at_least_zero(field: &'static str, named: &Named<f64>) -> Result<(), StudyError> {
+    match named.iter().find(|(_, w)| !(**w == 0.0 || WEIGHTS.contains(*w))) {
+        Some((name, w)) => Err(setting(
+            field,
+            "weights: 0, or finite numbers from 1e-9 to 1e9",
+            format!("{name} = {}", plain(*w)),
+        )),
         None => Ok(()),
     }
 }
 
+/// Without three hundred zeros.
+pub(super) fn plain(v: f64) -> String {
+    if v == 0.0 || !v.is_finite() || (1e-6..1e7).contains(&v.abs()) {
+        v.to_string()
+    } else {
+        format!("{v:e}")
+    }
+}
+
 pub(super) fn above_zero(field: &'static str, named: &Named<f64>) -> Result<(), StudyError> {
-    match named.iter().find(|(_, v)| !(v.is_finite() && **v > 0.0)) {
+    match named.iter().find(|(_, v)| !BOUNDS.contains(*v)) {
         Some((name, v)) => {
-            Err(setting(field, "multiples of the passive norm, above 0", format!("{name} = {v}")))
+            let expected = "multiples of the passive norm, above 0, from 1e-9 to 1e9";
+            Err(setting(field, expected, format!("{name} = {}", plain(*v))))
         }
         None => Ok(()),
     }

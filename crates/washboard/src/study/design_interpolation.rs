@@ -50,7 +50,7 @@ pub(super) fn by_interpolation(
     let settings = HybridSettings {
         fictitious_tire_damping: section.fictitious_tire_damping_n_s_per_m,
         psi,
-        sensor_noise: spec.lqg.sensor_noise,
+        sensor_noise: spec.noises().sensor_noise,
         road_velocity_intensity: problem.ground.excitation().white_intensity(spec.speed_m_s).unwrap_or(1.0),
     };
     let car = QuarterCar::new(&numbers).map_err(stuck)?;

@@ -1,31 +1,50 @@
-//! `goal.max_pole_rad_s` and `goal.max_gain`: a controller farther inside, until it is slow and gentle enough.
+//! A controller that its loop confirms and that keeps to `goal.max_pole_rad_s` and `goal.max_gain`: as asked, else farther inside.
 
-use super::design_mixed::{infeasible, stalled};
+use super::design_advice::{infeasible, stalled, unconfirmed};
+use super::design_gains::{fast_controller, fastest, largest_gain, lighter};
 use super::design_outcome::{DesignOutcome, DesignStatus};
 use super::design_problem::Problem;
+use super::design_smallest::smallest;
 use super::design_words::short;
-use super::{Flag, design_mixed};
-use crate::linalg::singular_values;
-use crate::lti::{Continuous, LtiError, StateSpace};
+use super::{Flag, design_advice};
+use crate::linalg::C64;
+use crate::lti::{Continuous, StateSpace};
 use crate::optimize::Measures;
 use crate::synthesis::{PoleRegion, SynthesisError};
 
 /// Shares of the objective that are given up, one after another.
 const BACK_OFFS: [f64; 4] = [1e-2, 5e-2, 0.2, 0.5];
-/// The smallest feasible bound is found to this share, by factors up to the other number.
-const NEAR_BOUND: f64 = 0.01;
-const MOST_TIMES: f64 = 1e3;
-const GROWTH: f64 = 1.6;
-/// A controller whose poles are so many times the fastest of the vehicle is worth a warning.
-const FAST: f64 = 100.0;
-/// Frequencies at which an unstable controller's gain is looked at, beside its poles', 0 and ∞.
-const POINTS: usize = 400;
+/// A pole nearer to the axis than this share of the largest may be on it but for rounding: a loop's eigenvalues are known to
+/// about ε times a condition of 1e6.
+const AT_REST: f64 = 1e-10;
+/// One that is not slower than the vehicle's slowest by this is not: a loop may have very fast poles beside it.
+const SLOW: f64 = 1e-3;
+/// Where rounding leaves a pole there, the loop's are kept left of the vehicle's slowest times this.
+const MARGIN: f64 = 0.1;
+
+/// What one try is asked.
+#[derive(Clone, Copy)]
+pub(super) struct Try {
+    /// A factor on all bounds.
+    pub times: f64,
+    pub back_off: f64,
+    pub region: PoleRegion,
+    /// Beside the `input_weight` that is stated, 1/N².
+    pub added_weight: f64,
+}
 
 /// How one try ended.
 pub(super) enum Attempt<T> {
-    Found { controller: StateSpace<Continuous>, of: T },
+    Found(Box<Made<T>>),
     Infeasible(Option<f64>),
     Stalled(Measures),
+}
+
+/// A controller, what it was made with, and the poles of all its loops.
+pub(super) struct Made<T> {
+    pub controller: StateSpace<Continuous>,
+    pub of: T,
+    pub poles: Vec<C64>,
 }
 
 /// A controller that keeps to the limits.
@@ -36,12 +55,27 @@ pub(super) struct Kept<T> {
 }
 
 /// What it took, and the controller's fastest pole and largest gain.
+#[derive(Clone, Copy)]
 struct How {
-    asked: f64,
+    around: Around,
     back_off: f64,
-    bounded: bool,
-    failed: bool,
+    added_weight: f64,
     found: [f64; 2],
+}
+
+/// A region, and what was added to it.
+#[derive(Clone, Copy)]
+struct Around {
+    region: PoleRegion,
+    bounded: bool,
+    margin: Option<f64>,
+}
+
+/// Why no try gave a controller.
+enum Failure {
+    Error(SynthesisError),
+    AtRest(C64),
+    Stalled(Measures),
 }
 
 impl<T> Kept<T> {
@@ -52,107 +86,265 @@ impl<T> Kept<T> {
             outcome.claimed.insert("fastest_controller_pole", pole);
         }
         outcome.claimed.insert("controller_gain", gain);
-        if self.how.back_off > 0.0 {
-            outcome.claimed.insert("back_off", self.how.back_off);
+        let also = [
+            ("back_off", Some(self.how.back_off).filter(|b| *b > 0.0)),
+            ("pole_margin", self.how.around.margin),
+            ("added_input_weight", self.added_weight()),
+        ];
+        for (name, value) in also {
+            if let Some(value) = value {
+                outcome.claimed.insert(name, value);
+            }
         }
+    }
+
+    fn added_weight(&self) -> Option<f64> {
+        Some(self.how.added_weight).filter(|w| *w > 0.0)
     }
 }
 
-/// The first controller that keeps to the limits: as asked, then with the loop's poles bounded too, then with more of the
-/// objective given up. `solve` takes a factor on all bounds, a back-off and a region. Without a controller `outcome` says why.
+/// Tries, and what they left.
+struct Search<'a, T, S> {
+    problem: &'a Problem,
+    solve: S,
+    /// The vehicle's slowest decay, 1/s.
+    slowest: f64,
+    nearest: Option<[f64; 2]>,
+    failed: Option<Failure>,
+    /// The first with a pole at rest.
+    resting: Option<Kept<T>>,
+}
+
+/// The first controller that keeps to the limits: as asked; with the loop's poles kept as slow as the controller's are to be;
+/// where rounding leaves a pole on the axis, or a loop that contradicts its promise, with poles left of a margin; with more of
+/// the objective given up; for a gain that is too large with the controls weighted. Without one `outcome` says why.
 pub(super) fn within<T>(
     problem: &Problem,
     asked: f64,
     region: PoleRegion,
     outcome: &mut DesignOutcome,
-    solve: impl Fn(f64, f64, PoleRegion) -> Result<Attempt<T>, SynthesisError>,
+    solve: impl Fn(Try) -> Result<Attempt<T>, SynthesisError>,
 ) -> Result<Option<Kept<T>>, SynthesisError> {
     let goal = &problem.spec.goal;
-    let limited = goal.max_pole_rad_s.is_some() || goal.max_gain.is_some();
-    let mut regions = vec![region];
+    let mut arounds = vec![Around { region, bounded: false, margin: None }];
     if let Some(most) = goal.max_pole_rad_s {
         let within = region.within.map_or(most, |w| w.min(most));
-        regions.push(PoleRegion { within: Some(within), ..region });
+        let region = PoleRegion { within: Some(within), ..region };
+        arounds.push(Around { region, bounded: true, margin: None });
     }
-    let mut nearest: Option<[f64; 2]> = None;
-    let mut failed: Option<SynthesisError> = None;
+    let margins: Vec<Around> = arounds.iter().filter_map(|a| a.with_margin(outcome)).collect();
+    let mut search = Search {
+        problem,
+        solve,
+        slowest: slowest(outcome).unwrap_or(f64::INFINITY),
+        nearest: None,
+        failed: None,
+        resting: None,
+    };
     for back_off in std::iter::once(asked).chain(BACK_OFFS.iter().copied().filter(|b| *b > asked)) {
-        if back_off > asked && !limited && failed.is_none() {
+        // nearer to the middle equations are better conditioned; a solver that stalls does so there too
+        let better = matches!(search.failed, Some(Failure::Error(_) | Failure::AtRest(_)));
+        if back_off > asked && !search.is_limited() && !better {
             break;
         }
-        for (k, region) in regions.iter().enumerate() {
-            let (controller, of) = match solve(1.0, back_off, *region) {
-                Ok(Attempt::Found { controller, of }) => (controller, of),
-                Err(e) => {
-                    // nearer to the middle its equations are better conditioned
-                    failed.get_or_insert(e);
-                    continue;
-                }
-                // what the limits add may be too much; what is asked may not
-                _ if k > 0 || nearest.is_some() || failed.is_some() => continue,
-                Ok(Attempt::Infeasible(times)) => {
-                    let met =
-                        |factor: f64| matches!(solve(factor, asked, *region), Ok(Attempt::Found { .. }));
-                    let bounded = problem.peaks.iter().any(|p| p.bound.is_some());
-                    infeasible(problem, if bounded { smallest(times, met) } else { None }, outcome);
+        let mut k = 0;
+        while let Some(around) = arounds.get(k).copied() {
+            let first = k == 0 && search.nearest.is_none() && search.failed.is_none();
+            k += 1;
+            match search.one(around, back_off, 0.0)? {
+                Ended::Kept(kept) => return Ok(Some(said(problem, asked, *kept, outcome))),
+                // what is added may be too much; what is asked may not
+                Ended::Infeasible(times) if first => {
+                    // what is possible may need a margin too
+                    arounds.extend(&margins);
+                    let least = search.smallest(times, &arounds, asked);
+                    infeasible(problem, least, true, outcome);
                     return Ok(None);
                 }
-                Ok(Attempt::Stalled(measures)) => {
-                    stalled(&measures, outcome);
-                    return Ok(None);
-                }
-            };
-            let found = [fastest(&controller)?, largest_gain(&controller)?];
-            if over(goal.max_pole_rad_s, found[0]) || over(goal.max_gain, found[1]) {
-                let excess = |f: &[f64; 2]| {
-                    let of = |limit: Option<f64>, v: f64| limit.map_or(0.0, |l| v / l);
-                    of(goal.max_pole_rad_s, f[0]).max(of(goal.max_gain, f[1]))
-                };
-                if nearest.as_ref().is_none_or(|n| excess(&found) < excess(n)) {
-                    nearest = Some(found);
-                }
-                continue;
+                _ => {}
             }
-            let how = How { asked, back_off, bounded: k > 0, failed: failed.is_some(), found };
-            said(problem, &how, outcome);
-            return Ok(Some(Kept { controller, of, how }));
+            if search.failed.is_some() && arounds.iter().all(|a| a.margin.is_none()) {
+                arounds.extend(&margins);
+            }
         }
     }
-    if let (None, Some(e)) = (nearest, failed) {
-        return Err(e);
+    if search.nearest.is_some() {
+        if let Some(kept) = search.weighted(&arounds, asked, &lighter(problem, &outcome.passive))? {
+            return Ok(Some(said(problem, asked, kept, outcome)));
+        }
+        outcome.status = DesignStatus::Refused;
+        outcome.why = search.nearest.map(|n| refusal(problem, n));
+        return Ok(None);
     }
-    outcome.status = DesignStatus::Refused;
-    outcome.why = nearest.map(|n| refusal(problem, n));
+    let measurable = |k: &Kept<T>| problem.measure(Some(&k.controller)).is_ok_and(|m| m.stable);
+    if let Some(kept) = search.resting.take().filter(measurable) {
+        return Ok(Some(said(problem, asked, kept, outcome)));
+    }
+    if problem.has_bounds() {
+        let least = search.smallest(None, &arounds, asked);
+        if least.is_some() {
+            infeasible(problem, least, false, outcome);
+            return Ok(None);
+        }
+    }
+    match search.failed {
+        Some(Failure::Error(e)) => return Err(e),
+        Some(Failure::AtRest(pole)) => unconfirmed(problem, pole, outcome),
+        Some(Failure::Stalled(measures)) => stalled(problem, &measures, outcome),
+        None => {}
+    }
     Ok(None)
 }
 
-/// The smallest factor on all bounds with which there is a controller, to a per cent: above `least`, which is known to be
-/// necessary. None where none of the factors tried helps.
-fn smallest(least: Option<f64>, met: impl Fn(f64) -> bool) -> Option<f64> {
-    let mut low = least.unwrap_or(1.0).max(1.0);
-    let mut high = low * (1.0 + NEAR_BOUND);
-    while !met(high) {
-        low = high;
-        high *= GROWTH;
-        if high > MOST_TIMES {
-            return None;
+enum Ended<T> {
+    Kept(Box<Kept<T>>),
+    Infeasible(Option<f64>),
+    Missed,
+}
+
+impl<T, S: Fn(Try) -> Result<Attempt<T>, SynthesisError>> Search<'_, T, S> {
+    /// A pole that is on the axis but for rounding.
+    fn at_rest(&self, poles: &[C64]) -> Option<C64> {
+        let largest = poles.iter().map(|p| p.norm()).fold(0.0, f64::max);
+        poles.iter().copied().find(|p| -p.re < (AT_REST * largest).min(SLOW * self.slowest))
+    }
+
+    fn is_limited(&self) -> bool {
+        let goal = &self.problem.spec.goal;
+        goal.max_pole_rad_s.is_some() || goal.max_gain.is_some()
+    }
+
+    fn one(&mut self, around: Around, back_off: f64, added_weight: f64) -> Result<Ended<T>, SynthesisError> {
+        let tried = (self.solve)(Try { times: 1.0, back_off, region: around.region, added_weight });
+        let (controller, of, poles) = match tried {
+            Ok(Attempt::Found(made)) => (made.controller, made.of, made.poles),
+            Ok(Attempt::Infeasible(times)) => return Ok(Ended::Infeasible(times)),
+            Ok(Attempt::Stalled(measures)) => {
+                if self.nearest.is_none() {
+                    self.failed.get_or_insert(Failure::Stalled(measures));
+                }
+                return Ok(Ended::Missed);
+            }
+            Err(e) => {
+                self.failed.get_or_insert(Failure::Error(e));
+                return Ok(Ended::Missed);
+            }
+        };
+        let found = [fastest(&controller)?, largest_gain(&controller)?];
+        let kept = Kept { controller, of, how: How { around, back_off, added_weight, found } };
+        let goal = &self.problem.spec.goal;
+        if over(goal.max_pole_rad_s, found[0]) || over(goal.max_gain, found[1]) {
+            let excess = |f: &[f64; 2]| {
+                let of = |limit: Option<f64>, v: f64| limit.map_or(0.0, |l| v / l);
+                of(goal.max_pole_rad_s, f[0]).max(of(goal.max_gain, f[1]))
+            };
+            if self.nearest.as_ref().is_none_or(|n| excess(&found) < excess(n)) {
+                self.nearest = Some(found);
+            }
+            return Ok(Ended::Missed);
         }
+        if let Some(pole) = self.at_rest(&poles) {
+            self.failed.get_or_insert(Failure::AtRest(pole));
+            self.resting.get_or_insert(kept);
+            return Ok(Ended::Missed);
+        }
+        Ok(Ended::Kept(Box::new(kept)))
     }
-    while high / low > 1.0 + NEAR_BOUND {
-        let middle = (low * high).sqrt();
-        if met(middle) { high = middle } else { low = middle }
+
+    /// The least of the weights, in ascending order, that keeps to the limits, by bisection, and then a smaller one between.
+    fn weighted(
+        &mut self,
+        arounds: &[Around],
+        asked: f64,
+        weights: &[f64],
+    ) -> Result<Option<Kept<T>>, SynthesisError> {
+        const HALVINGS: usize = 3;
+        if self.problem.spec.goal.max_gain.is_none() {
+            return Ok(None);
+        }
+        let mut best: Option<Kept<T>> = None;
+        let (mut low, mut high) = (0, weights.len());
+        while low < high {
+            let middle = usize::midpoint(low, high);
+            match self.around(arounds, asked, weights[middle])? {
+                Some(kept) => (best, high) = (Some(kept), middle),
+                None => low = middle + 1,
+            }
+        }
+        // weights below `high` are too small
+        if let Some(mut least) = high.checked_sub(1).map(|k| weights[k]) {
+            for _ in 0..HALVINGS {
+                let Some(kept) = &best else { break };
+                let middle = f64::sqrt(least * kept.how.added_weight);
+                match self.around(arounds, asked, middle)? {
+                    Some(kept) => best = Some(kept),
+                    None => least = middle,
+                }
+            }
+        }
+        Ok(best)
     }
-    Some(high)
+
+    /// The first of the regions that gives a controller.
+    fn around(
+        &mut self,
+        arounds: &[Around],
+        back_off: f64,
+        added_weight: f64,
+    ) -> Result<Option<Kept<T>>, SynthesisError> {
+        for around in arounds {
+            if let Ended::Kept(kept) = self.one(*around, back_off, added_weight)? {
+                return Ok(Some(*kept));
+            }
+        }
+        Ok(None)
+    }
+
+    /// The smallest factor on all bounds with which there is a controller.
+    fn smallest(&self, least: Option<f64>, arounds: &[Around], asked: f64) -> Option<f64> {
+        let tightest = self.problem.bounds().map(|(_, b)| b).reduce(f64::min)?;
+        let met = |times: f64| {
+            // what was added last is what it took before
+            arounds.iter().rev().any(|around| {
+                let asked = Try { times, back_off: asked, region: around.region, added_weight: 0.0 };
+                match (self.solve)(asked) {
+                    Ok(Attempt::Found(made)) => self.at_rest(&made.poles).is_none(),
+                    _ => false,
+                }
+            })
+        };
+        smallest(least, tightest, met)
+    }
+}
+
+impl Around {
+    /// The same left of a margin, where it does not ask for that itself.
+    fn with_margin(&self, outcome: &DesignOutcome) -> Option<Self> {
+        let margin = MARGIN * slowest(outcome)?;
+        let r = self.region;
+        let room = [r.within, r.slower_than].into_iter().flatten().all(|far| margin < far);
+        let new = r.faster_than.is_none_or(|own| own < margin);
+        let region = PoleRegion { faster_than: Some(margin), ..r };
+        (room && new).then_some(Around { region, margin: Some(margin), ..*self })
+    }
+}
+
+/// The vehicle's slowest decay that is one.
+fn slowest(outcome: &DesignOutcome) -> Option<f64> {
+    let poles = &outcome.passive.poles;
+    let largest = poles.iter().map(|p| p[0].hypot(p[1])).fold(0.0, f64::max);
+    poles.iter().map(|p| -p[0]).filter(|d| *d > AT_REST * largest).reduce(f64::min)
 }
 
 fn over(limit: Option<f64>, found: f64) -> bool {
     limit.is_some_and(|l| !(found <= l))
 }
 
-/// Notes of what the limits cost, or a warning of what is absurd.
-fn said(problem: &Problem, how: &How, outcome: &mut DesignOutcome) {
-    let (asked, back_off, found) = (how.asked, how.back_off, how.found);
-    if back_off > asked || how.bounded {
+/// Notes of what the limits cost, a warning of what was added to what is asked, or of what is absurd.
+fn said<T>(problem: &Problem, asked: f64, kept: Kept<T>, outcome: &mut DesignOutcome) -> Kept<T> {
+    let How { around, back_off, added_weight, found } = kept.how;
+    let flag = |name: &str, text: String| Flag { name: name.into(), text };
+    if back_off > asked || around.bounded {
         let given = format!(
             "{} % of the least value are given up instead of {} %",
             short(100.0 * back_off),
@@ -160,33 +352,33 @@ fn said(problem: &Problem, how: &How, outcome: &mut DesignOutcome) {
         );
         let slow = "the loop's poles are kept as slow as the controller's are to be".to_owned();
         let what: Vec<String> =
-            (back_off > asked).then_some(given).into_iter().chain(how.bounded.then_some(slow)).collect();
-        let why = if how.failed {
+            (back_off > asked).then_some(given).into_iter().chain(around.bounded.then_some(slow)).collect();
+        let goal = &problem.spec.goal;
+        let why = if goal.max_pole_rad_s.is_none() && goal.max_gain.is_none() {
             "nearer to the least value rounding makes the loop contradict its promise"
         } else {
             "for a controller that is slow and gentle enough"
         };
-        let text = format!("{why}: {}", what.join(", and "));
-        outcome.notes.push(Flag { name: "backed-off".into(), text });
+        outcome.notes.push(flag("backed-off", format!("{why}: {}", what.join(", and "))));
     }
-    let own = outcome.passive.poles.iter().map(|p| p[0].hypot(p[1])).fold(0.0, f64::max);
-    if found[0] > FAST * own && own > 0.0 {
-        let noise = problem.spec.mixed.unwrap_or_default().sensor_noise;
-        let why = if noise == 0.0 {
-            "measurements without noise let it differentiate, and its least objective has gains without bound: state \
-             mixed.sensor_noise, or "
-        } else {
-            ""
-        };
+    if let Some(margin) = around.margin {
         let text = format!(
-            "the controller has a pole at {} rad/s, {:.0} times the vehicle's fastest, and a gain of {} N per unit of its \
-             measurements: {why}set goal.max_pole_rad_s or goal.max_gain",
-            short(found[0]),
-            found[0] / own,
-            short(found[1])
+            "as asked, rounding leaves the loop a pole at 0 or contradicts its promise; this controller is made with the loop's poles left \
+             of −{} 1/s, which is not asked: state poles = {{ max_real_rad_s = … }} for another margin",
+            short(margin)
         );
-        outcome.warnings.push(Flag { name: "fast-controller".into(), text });
+        outcome.warnings.push(flag("pole-margin", text));
     }
+    if added_weight > 0.0 {
+        let text = format!(
+            "goal.max_gain is kept by a weight of the control that is not asked: it is made for input_weight = {} (1/N²), and the claims hold \
+             this part of the cost too",
+            short(problem.spec.input_weight + added_weight)
+        );
+        outcome.warnings.push(flag("added-weight", text));
+    }
+    outcome.warnings.extend(fast_controller(problem, &outcome.passive, found));
+    kept
 }
 
 fn refusal(problem: &Problem, found: [f64; 2]) -> String {
@@ -210,31 +402,10 @@ fn refusal(problem: &Problem, found: [f64; 2]) -> String {
     .flatten()
     .collect();
     let most = 100.0 * BACK_OFFS[BACK_OFFS.len() - 1];
-    let method = design_mixed::remedy(problem);
+    let weights = if goal.max_gain.is_some() { " and with the control weighted" } else { "" };
+    let method = design_advice::remedy(problem);
     format!(
-        "{}: that is the nearest of all that were tried, up to {most:.0} % above the least objective. Allow more, {method}",
+        "{}: that is the nearest of all that were tried, up to {most:.0} % above the least objective{weights}. Allow more, {method}",
         parts.join("; ")
     )
-}
-
-/// |λ| of the fastest pole; 0 of a gain.
-pub(super) fn fastest(k: &StateSpace<Continuous>) -> Result<f64, LtiError> {
-    Ok(k.poles()?.iter().map(|p| p.norm()).fold(0.0, f64::max))
-}
-
-/// sup σ_max(K(iω)): of a controller that is not stable, the largest at 0, ∞, its poles' frequencies and between.
-pub(super) fn largest_gain(k: &StateSpace<Continuous>) -> Result<f64, LtiError> {
-    if k.is_stable()? {
-        return Ok(k.hinf_norm()?.norm);
-    }
-    let sizes: Vec<f64> = k.poles()?.iter().map(|p| p.norm()).filter(|s| *s > 0.0).collect();
-    let (low, high) =
-        sizes.iter().fold((f64::INFINITY, 0.0f64), |(low, high), s| (low.min(0.1 * s), high.max(10.0 * s)));
-    let step = (high / low).ln() / (POINTS - 1) as f64;
-    let grid = (0..POINTS).map(|i| low * (step * i as f64).exp());
-    let omegas: Vec<f64> = std::iter::once(0.0).chain(sizes.iter().copied()).chain(grid).collect();
-    let direct = singular_values(k.d())?.first().copied().unwrap_or(0.0);
-    let responses = k.frequency_response(&omegas)?;
-    let gains = responses.iter().filter_map(|r| r.singular_values().ok()?.first().copied());
-    Ok(gains.fold(direct, f64::max))
 }

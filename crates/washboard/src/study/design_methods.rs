@@ -21,10 +21,10 @@ pub(super) type Found = Result<Option<StateSpace<Continuous>>, SynthesisError>;
 fn weights(problem: &Problem) -> LqgWeights {
     let spec = &problem.spec;
     LqgWeights {
-        sensor_noise: vec![spec.lqg.sensor_noise; problem.measurements.len()],
+        sensor_noise: vec![spec.noises().sensor_noise; problem.measurements.len()],
         input_weight: vec![spec.input_weight; problem.plant.nu()],
-        process_noise: spec.lqg.process_noise,
-        cross_term: spec.lqg.cross_term,
+        process_noise: spec.noises().process_noise,
+        cross_term: spec.noises().cross_term,
     }
 }
 

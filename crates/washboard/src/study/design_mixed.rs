@@ -1,16 +1,15 @@
 //! `method = "mixed-h2-hinf"`: from a design's goals to matrix inequalities, and what they promise beside what is so.
 
-use super::design_limits::{self, Attempt};
+use super::Flag;
+use super::design_limits::{self, Attempt, Made, Try};
 use super::design_methods::Found;
-use super::design_outcome::{DesignOutcome, DesignStatus};
+use super::design_outcome::DesignOutcome;
 use super::design_problem::{GoalBlock, Problem};
-use super::design_words::{short, short_numbers};
-use super::{DesignMethod, Flag};
 use crate::lti::{GeneralizedPlant, LtiError};
-use crate::optimize::{Measures, SdpSettings};
+use crate::optimize::SdpSettings;
 use crate::synthesis::{
-    H2Goal, HinfGoal, LqgWeights, MixedAchieved, MixedClaims, MixedEnd, MixedGoals, PoleRegion,
-    SynthesisError, lqg_plant, mixed_h2_hinf,
+    H2Goal, HinfGoal, LqgWeights, MixedAchieved, MixedClaims, MixedEnd, MixedGoals, SynthesisError,
+    lqg_plant, mixed_h2_hinf,
 };
 
 /// Modes that nothing reaches or sees, relative, are left out of the inequalities.
@@ -18,19 +17,14 @@ const MINIMAL: f64 = 1e-10;
 
 /// The goals as the inequalities take them, for a plant whose performances are the problem's `reported` ones followed by
 /// weighted controls; all bounds `times` what is asked.
-pub(super) fn goals(
-    problem: &Problem,
-    plant: &GeneralizedPlant,
-    times: f64,
-    back_off: f64,
-    region: PoleRegion,
-) -> MixedGoals {
+pub(super) fn goals(problem: &Problem, plant: &GeneralizedPlant, asked: Try) -> MixedGoals {
+    let Try { times, back_off, region, added_weight } = asked;
     let of = |g: &GoalBlock, factor: f64| g.members.iter().map(move |i| (*i, factor)).collect::<Vec<_>>();
     let mut outputs: Vec<(usize, f64)> = Vec::new();
     for g in problem.goals.iter().filter(|g| g.weight > 0.0) {
         outputs.extend(of(g, g.weight / g.passive));
     }
-    let asked = !outputs.is_empty();
+    let asked = !outputs.is_empty() || problem.spec.input_weight + added_weight > 0.0;
     outputs.extend((problem.reported.len()..plant.nz()).map(|k| (k, 1.0)));
     // the sensors' noise is white, and no part of a largest gain
     let road: Vec<usize> = (0..problem.plant.nw()).collect();
@@ -40,8 +34,15 @@ pub(super) fn goals(
         weight: (p.block.weight / p.block.passive).powi(2),
         bound: p.bound.map(|b| times * b * p.block.passive),
     };
+    let minimised = asked.then(|| H2Goal { outputs, weight: 1.0, ..H2Goal::default() });
+    // over the passive norm: of order one
+    let bounded = problem.bounded.iter().map(|g| H2Goal {
+        outputs: of(g, 1.0 / g.passive),
+        bound: Some(times * g.weight),
+        ..H2Goal::default()
+    });
     MixedGoals {
-        h2: asked.then(|| H2Goal { outputs, weight: 1.0, ..H2Goal::default() }),
+        h2: minimised.into_iter().chain(bounded).collect(),
         hinf: problem.peaks.iter().map(peak).collect(),
         region,
         scale: problem.spec.lyapunov_scale.into(),
@@ -49,16 +50,18 @@ pub(super) fn goals(
     }
 }
 
-/// The problem's plant with weighted controls as performances and the sensors' noise as disturbances.
-fn plant(problem: &Problem) -> Result<GeneralizedPlant, SynthesisError> {
-    lqg_plant(&problem.plant, &weights(problem, problem.spec.mixed.unwrap_or_default().sensor_noise))
+/// The problem's plant with weighted controls as performances and the sensors' noise as disturbances, without the modes that
+/// no signal shows.
+fn plant(problem: &Problem, added_weight: f64) -> Result<GeneralizedPlant, SynthesisError> {
+    let noise = problem.spec.mixed.unwrap_or_default().sensor_noise;
+    Ok(minimal(lqg_plant(&problem.plant, &weights(problem, noise, added_weight))?)?)
 }
 
 /// Weighted controls and noisy sensors.
-pub(super) fn weights(problem: &Problem, sensor_noise: f64) -> LqgWeights {
+pub(super) fn weights(problem: &Problem, sensor_noise: f64, added_weight: f64) -> LqgWeights {
     LqgWeights {
         sensor_noise: vec![sensor_noise; problem.measurements.len()],
-        input_weight: vec![problem.spec.input_weight; problem.plant.nu()],
+        input_weight: vec![problem.spec.input_weight + added_weight; problem.plant.nu()],
         process_noise: 1.0,
         cross_term: true,
     }
@@ -75,21 +78,26 @@ fn minimal(plant: GeneralizedPlant) -> Result<GeneralizedPlant, LtiError> {
 
 pub(super) fn by_mixed(problem: &Problem, alone: &Problem, outcome: &mut DesignOutcome) -> Found {
     let spec = &problem.spec;
-    let whole = minimal(plant(alone)?)?;
+    let whole = plant(alone, 0.0)?;
     let asked = spec.mixed.unwrap_or_default().back_off;
     let region = spec.poles.unwrap_or_default().region().unwrap_or_default();
     let settings = SdpSettings::default();
-    let solve = |times: f64, back_off: f64, region: PoleRegion| {
-        let goals = goals(alone, &whole, times, back_off, region);
-        Ok(match mixed_h2_hinf(&whole, &goals, &settings)? {
-            MixedEnd::Found(found) => Attempt::Found { controller: found.controller.clone(), of: found },
+    let solve = |tried: Try| {
+        let weighted = if tried.added_weight > 0.0 { &plant(alone, tried.added_weight)? } else { &whole };
+        let goals = goals(alone, weighted, tried);
+        Ok(match mixed_h2_hinf(weighted, &goals, &settings)? {
+            MixedEnd::Found(found) => Attempt::Found(Box::new(Made {
+                controller: found.controller.clone(),
+                poles: found.achieved.poles.clone(),
+                of: found,
+            })),
             MixedEnd::Infeasible { bounds_times, .. } => Attempt::Infeasible(bounds_times),
             MixedEnd::Stalled(measures) => Attempt::Stalled(measures),
         })
     };
     let Some(kept) = design_limits::within(problem, asked, region, outcome, solve)? else { return Ok(None) };
     let found = &kept.of;
-    let all = goals(alone, &whole, 1.0, asked, region);
+    let all = goals(alone, &whole, Try { times: 1.0, back_off: asked, region, added_weight: 0.0 });
     claims(problem, &all, &found.claims, std::slice::from_ref(&found.achieved), outcome);
     kept.claim(outcome);
     outcome.claimed.insert("optimum", found.optimum);
@@ -121,75 +129,29 @@ pub(super) fn claims(
         |of: &dyn Fn(&MixedAchieved) -> f64| achieved.iter().map(of).fold(f64::NEG_INFINITY, f64::max);
     let value = |a: &MixedAchieved| {
         let peaks = goals.hinf.iter().zip(&a.hinf).map(|(g, v)| g.weight * v * v).sum::<f64>();
-        peaks + goals.h2.as_ref().zip(a.h2).map_or(0.0, |(g, v)| g.weight * v * v)
+        peaks + goals.h2.iter().zip(&a.h2).map(|(g, v)| g.weight * v * v).sum::<f64>()
     };
-    let minimised = goals.h2.is_some() || goals.hinf.iter().any(|g| g.weight > 0.0);
+    let weighted = goals.h2.iter().take_while(|g| g.weight > 0.0).count();
+    let minimised = weighted > 0 || goals.hinf.iter().any(|g| g.weight > 0.0);
     if minimised {
         outcome.claimed.insert("objective", claims.objective);
         outcome.claimed.insert("objective_recomputed", worst(&value));
     }
-    if let Some(h2) = claims.h2 {
-        outcome.claimed.insert("h2", h2);
-        outcome.claimed.insert("h2_recomputed", worst(&|a| a.h2.unwrap_or(0.0)));
+    if let Some(h2) = claims.h2.first().filter(|_| weighted > 0) {
+        outcome.claimed.insert("h2", *h2);
+        outcome.claimed.insert("h2_recomputed", worst(&|a| a.h2[0]));
+    }
+    for (k, block) in problem.bounded.iter().enumerate() {
+        let (name, k) = (&block.name, weighted + k);
+        outcome.claimed.insert(format!("h2_{name}"), claims.h2[k] * block.passive);
+        outcome.claimed.insert(format!("h2_{name}_recomputed"), worst(&|a| a.h2[k]) * block.passive);
     }
     for (k, (peak, claimed)) in problem.peaks.iter().zip(&claims.hinf).enumerate() {
         let name = &peak.block.name;
         outcome.claimed.insert(format!("hinf_{name}"), *claimed);
         outcome.claimed.insert(format!("hinf_{name}_recomputed"), worst(&|a| a.hinf[k]));
-        if claims.h2.is_some() {
+        if !claims.h2.is_empty() {
             outcome.claimed.insert(format!("lyapunov_scale_{name}"), claims.scales[k]);
         }
-    }
-}
-
-/// What is said where no controller meets the bounds: the smallest that can be met.
-pub(super) fn infeasible(problem: &Problem, bounds_times: Option<f64>, outcome: &mut DesignOutcome) {
-    outcome.status = DesignStatus::Infeasible;
-    let bounded: Vec<(&str, f64)> =
-        problem.peaks.iter().filter_map(|p| Some((p.block.name.as_str(), p.bound?))).collect();
-    let poles = if problem.spec.poles.is_some() { " with poles in the region asked for" } else { "" };
-    let why = match bounds_times {
-        _ if bounded.is_empty() => {
-            "no controller has its loop's poles in the region asked for (poles)".to_owned()
-        }
-        Some(times) => {
-            let list = |k: f64| {
-                bounded.iter().map(|(n, b)| format!("{n} = {}", short(k * b))).collect::<Vec<_>>().join(", ")
-            };
-            for (name, bound) in &bounded {
-                outcome.feasible_bound.insert(*name, times * bound);
-            }
-            let together = if bounded.len() > 1 { ", all raised by one factor" } else { "" };
-            format!(
-                "no controller{poles} keeps to the bounds {{ {} }}; the smallest that were found to be possible are {{ {} }}{together} \
-                 (multiples of the passive norms, to 1 %)",
-                list(1.0),
-                list(times),
-            )
-        }
-        None => format!("no controller{poles} was found, with whatever bounds"),
-    };
-    let proof =
-        "; one Lyapunov matrix is asked to show all norms and poles at once, which may ask too much of it";
-    let why = why + proof;
-    outcome.why = Some(why);
-}
-
-pub(super) fn stalled(measures: &Measures, outcome: &mut DesignOutcome) {
-    outcome.status = DesignStatus::Stalled;
-    let text = format!(
-        "the solver of the matrix inequalities came to no answer: it violates them by {:e}, its multipliers by {:e}, and its bounds are \
-         {:e} apart (relative). Give it room: a larger mixed.back_off, mixed.sensor_noise, an input_weight, or a wider bound",
-        measures.primal, measures.dual, measures.gap
-    );
-    outcome.why = Some(short_numbers(&text));
-}
-
-/// What may help against gains that are too large.
-pub(super) fn remedy(problem: &Problem) -> &'static str {
-    if problem.spec.method == DesignMethod::RobustStateFeedback {
-        "weight the control (input_weight), or widen the bounds"
-    } else {
-        "state mixed.sensor_noise, weight the control (input_weight), or widen the bounds"
     }
 }

@@ -1,6 +1,7 @@
 //! What the designs by matrix inequalities are told: poles, the Lyapunov scale, ranges, noise.
 
-use super::{DesignMethod, DesignSpec, StudyError};
+use super::design_goal::above_zero;
+use super::{DesignMethod, DesignSpec, Named, StudyError};
 use crate::synthesis::{LyapunovScale, PoleRegion};
 use serde::{Deserialize, Serialize};
 
@@ -107,6 +108,10 @@ impl From<LyapunovScaleSpec> for LyapunovScale {
     }
 }
 
+fn twice<T: PartialEq>(all: &[T]) -> Option<&T> {
+    all.iter().enumerate().find(|(k, v)| all[..*k].contains(v)).map(|(_, v)| v)
+}
+
 fn setting(field: &'static str, expected: impl Into<String>, found: impl Into<String>) -> StudyError {
     StudyError::Setting { field, expected: expected.into(), found: found.into() }
 }
@@ -134,7 +139,8 @@ impl PolesSection {
             return Err(setting("poles.max_real_rad_s", expected, found.to_string()));
         }
         if let Some(found) = self.min_damping.filter(|v| !(*v > 0.0 && *v < 1.0)) {
-            return Err(setting("poles.min_damping", "a ratio between 0 and 1", found.to_string()));
+            let expected = "a ratio between 0 and 1, both left out (0.7 is a usual one; 1 asks for real poles only, which no open region holds)";
+            return Err(setting("poles.min_damping", expected, found.to_string()));
         }
         let least = |a: Option<f64>, b: Option<f64>| a.into_iter().chain(b).reduce(f64::min);
         let region = PoleRegion {
@@ -184,6 +190,31 @@ impl DesignSpec {
                 return Err(setting(field, expected, "a value"));
             }
         }
+        if method.is_by_inequalities() && self.lqg.is_some() {
+            let of = if method == DesignMethod::MixedH2Hinf {
+                "the sensors' noise is mixed.sensor_noise"
+            } else {
+                "its states have no noise"
+            };
+            let expected = format!("nothing with method {}: {of}", method.name());
+            return Err(setting("lqg", expected, "a section"));
+        }
+        if let Some(order) = twice(&self.truncate_to) {
+            return Err(setting("truncate_to", "each order once", format!("{order} twice")));
+        }
+        if let Some(at) = self.plant.iter().position(Named::is_empty).filter(|_| self.plant.len() == 1) {
+            let found = format!("nothing in [[plant]] number {}", at + 1);
+            return Err(setting("plant", "fields of the vehicle and their values", found));
+        }
+        for (name, members) in g.groups.iter() {
+            if let Some(output) = twice(members) {
+                return Err(setting(
+                    "goal.groups",
+                    "each output once",
+                    format!("`{output}` twice in `{name}`"),
+                ));
+            }
+        }
         for (field, given, own) in [
             ("range", !self.range.is_empty(), DesignMethod::RobustStateFeedback),
             ("plant", !self.plant.is_empty(), DesignMethod::RobustStateFeedback),
@@ -204,10 +235,7 @@ impl DesignSpec {
                 return Err(setting(field, "a positive, finite number", found.to_string()));
             }
         }
-        if !g.bound_h2.is_empty() {
-            let expected = "nothing yet: minimise H2 norms, and bound H∞ norms (goal.bound)";
-            return Err(setting("goal.bound_h2", expected, "bounds"));
-        }
+        above_zero("goal.bound_h2", &g.bound_h2)?;
         if let LyapunovScaleSpec::Number(s) = self.lyapunov_scale
             && !((1e-6..=1e6).contains(&s))
         {
@@ -232,7 +260,11 @@ impl DesignSpec {
         }
         for (name, [low, high]) in self.range.iter() {
             if !(low.is_finite() && high.is_finite() && low < high) {
-                let found = format!("{name} = [{low}, {high}]");
+                let found = format!(
+                    "{name} = [{}, {}]",
+                    super::design_goal::plain(*low),
+                    super::design_goal::plain(*high)
+                );
                 return Err(setting("range", "two finite numbers, the smaller one first", found));
             }
         }

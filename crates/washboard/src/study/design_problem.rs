@@ -119,6 +119,8 @@ impl Problem {
             |names: &[&str]| names.iter().flat_map(|n| spec.members_of(n)).collect::<Vec<String>>();
         let squared: Vec<&str> = weights.iter().chain(spec.goal.bound_h2.iter()).map(|(n, _)| n).collect();
         let bounded: Vec<&str> = peaks.iter().map(|p| p.name.as_str()).collect();
+        let in_bounds: Vec<&str> = spec.goal.bound_h2.iter().map(|(n, _)| n).collect();
+        outputs(&vehicle, &members_of(&in_bounds), "goal.bound_h2")?;
         let in_h2 = outputs(&vehicle, &members_of(&squared), "goal.minimize")?;
         let in_hinf = outputs(&vehicle, &members_of(&bounded), "goal.bound")?;
         let in_groups: Vec<&str> = groups.iter().map(|(n, _)| n).collect();

@@ -132,6 +132,11 @@ impl DesignOutcome {
                 .iter()
                 .filter(|p| p.bound.is_some())
                 .filter_map(|p| Some(m.hinf.get(&p.name)? / self.claimed.get(&format!("hinf_{}", p.name))?));
+            let squared = self.design.goal.bound_h2.iter().filter_map(|(name, _)| {
+                let claimed = self.claimed.get(&format!("h2_{name}"))?;
+                Some(m.h2.get(name)?.finite()? / claimed)
+            });
+            let over = over.chain(squared);
             TruncatedRow { order, stable: m.stable, objective, over_bound: over.reduce(f64::max) }
         };
         let whole = row(order, self.objective.get("verified").copied(), verified);

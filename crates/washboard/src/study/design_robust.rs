@@ -1,6 +1,7 @@
 //! `method = "robust-state-feedback"`: one gain from the vehicle's states for all vehicles of a range.
 
-use super::design_limits::{Attempt, within};
+use super::design_gains::high_gain;
+use super::design_limits::{Attempt, Made, Try, within};
 use super::design_methods::Found;
 use super::design_mixed::{claims, goals, iterations};
 use super::design_outcome::{ControllerFile, DesignOutcome, DesignVertex};
@@ -11,8 +12,7 @@ use crate::linalg::Mat;
 use crate::lti::{Continuous, GeneralizedPlant, StateSpace};
 use crate::optimize::SdpSettings;
 use crate::synthesis::{
-    Assumption, MixedEnd, PoleRegion, StateFeedback, SynthesisError, broken_assumptions, lqg_plant,
-    robust_state_feedback,
+    Assumption, MixedEnd, StateFeedback, SynthesisError, broken_assumptions, lqg_plant, robust_state_feedback,
 };
 
 /// A plant in the middle of a range whose entries are this near to the vertices' mean is a mixture of them.
@@ -22,6 +22,8 @@ const MIXTURE: f64 = 1e-9;
 pub(super) struct Vertex {
     pub problem: Problem,
     pub at: Named<f64>,
+    /// Without weighted controls.
+    bare: GeneralizedPlant,
     plant: GeneralizedPlant,
 }
 
@@ -103,7 +105,11 @@ impl Vertex {
         let wrong = |found: String| StudyError::Setting {
             field,
             expected: "fields and values of the vehicle".into(),
-            found,
+            found: if found.ends_with("expected a finite number") {
+                format!("{}: values so small or large that the vehicle's equations overflow", words(&at))
+            } else {
+                format!("{}: {found}", words(&at))
+            },
         };
         let own = problem.at(&fields).map_err(|e| match e {
             StudyError::Vehicle { source, .. } if !fields.is_empty() => wrong(source.to_string()),
@@ -113,8 +119,8 @@ impl Vertex {
             name: problem.spec.vehicle.clone(),
             source: Box::new(e),
         };
-        let weights = super::design_mixed::weights(&own, 0.0);
-        let plant = lqg_plant(&in_states(&own)?, &weights).map_err(fail)?;
+        let bare = in_states(&own)?;
+        let plant = lqg_plant(&bare, &super::design_mixed::weights(&own, 0.0, 0.0)).map_err(fail)?;
         let broken = broken_assumptions(&plant).map_err(fail)?;
         if let Some(b) = broken.iter().find(|b| b.assumption == Assumption::Stabilisable) {
             let place = if fields.is_empty() { "the vehicle as stated".into() } else { words(&at) };
@@ -124,33 +130,40 @@ impl Vertex {
                 found: super::design_words::short_numbers(&format!("{place}: {b}")),
             });
         }
-        Ok(Vertex { problem: own, at, plant })
+        Ok(Vertex { problem: own, at, bare, plant })
     }
 }
 
 /// Fields and values.
 pub(super) fn words(at: &Named<f64>) -> String {
-    at.iter().map(|(n, v)| format!("{n} = {v}")).collect::<Vec<_>>().join(", ")
+    at.iter().map(|(n, v)| format!("{n} = {}", super::design_goal::plain(*v))).collect::<Vec<_>>().join(", ")
 }
 
 pub(super) fn by_robust(problem: &Problem, family: &Family, outcome: &mut DesignOutcome) -> Found {
     let region = problem.spec.poles.unwrap_or_default().region().unwrap_or_default();
     let plants: Vec<GeneralizedPlant> = family.vertices.iter().map(|v| v.plant.clone()).collect();
-    let solve = |times: f64, back_off: f64, region: PoleRegion| {
-        feedback(&family.stated.problem, &plants, times, back_off, region)
+    let as_asked = Try { times: 1.0, back_off: 0.0, region, added_weight: 0.0 };
+    let solve = |tried: Try| {
+        if tried.added_weight == 0.0 {
+            return feedback(&family.stated.problem, &plants, tried);
+        }
+        let weights = super::design_mixed::weights(&family.stated.problem, 0.0, tried.added_weight);
+        let weighted = family.vertices.iter().map(|v| lqg_plant(&v.bare, &weights));
+        feedback(&family.stated.problem, &weighted.collect::<Result<Vec<_>, _>>()?, tried)
     };
     let Some(kept) = within(problem, 0.0, region, outcome, solve)? else { return Ok(None) };
     let found = &kept.of;
-    let all = goals(&family.stated.problem, &plants[0], 1.0, 0.0, region);
+    let all = goals(&family.stated.problem, &plants[0], as_asked);
     claims(problem, &all, &found.claims, &found.achieved, outcome);
     kept.claim(outcome);
+    outcome.warnings.extend(high_gain(problem, &outcome.passive, &kept.controller));
     iterations(found.iterations, outcome);
     if family.is_many() {
         let own = std::slice::from_ref(&family.stated.plant);
-        match feedback(&family.stated.problem, own, 1.0, 0.0, region)? {
-            Attempt::Found { controller, of } => {
-                outcome.claimed.insert("nominal_objective", of.claims.objective);
-                outcome.nominal = Some(named(problem, &controller));
+        match feedback(&family.stated.problem, own, as_asked)? {
+            Attempt::Found(made) => {
+                outcome.claimed.insert("nominal_objective", made.of.claims.objective);
+                outcome.nominal = Some(named(problem, &made.controller));
             }
             _ => {
                 let text =
@@ -174,16 +187,16 @@ pub(super) fn by_robust(problem: &Problem, family: &Family, outcome: &mut Design
 fn feedback(
     problem: &Problem,
     plants: &[GeneralizedPlant],
-    times: f64,
-    back_off: f64,
-    region: PoleRegion,
+    tried: Try,
 ) -> Result<Attempt<StateFeedback>, SynthesisError> {
-    let settings =
-        SdpSettings { interior_gap: (back_off > 0.0).then_some(back_off), ..SdpSettings::default() };
-    let all = goals(problem, &plants[0], times, back_off, region);
+    let gap = (tried.back_off > 0.0).then_some(tried.back_off);
+    let settings = SdpSettings { interior_gap: gap, ..SdpSettings::default() };
+    let all = goals(problem, &plants[0], tried);
     Ok(match robust_state_feedback(plants, &all, &settings)? {
         MixedEnd::Found(of) => {
-            Attempt::Found { controller: StateSpace::continuous_gain(of.gain.clone())?, of }
+            let poles = of.achieved.iter().flat_map(|a| a.poles.iter().copied()).collect();
+            let controller = StateSpace::continuous_gain(of.gain.clone())?;
+            Attempt::Found(Box::new(Made { controller, of, poles }))
         }
         MixedEnd::Infeasible { bounds_times, .. } => Attempt::Infeasible(bounds_times),
         MixedEnd::Stalled(measures) => Attempt::Stalled(measures),

@@ -40,9 +40,9 @@ pub struct DesignSpec {
     /// What is to be small.
     #[serde(default)]
     pub goal: Goal,
-    /// Noises of `lqg`.
-    #[serde(default)]
-    pub lqg: LqgSection,
+    /// Noises of `lqg`; the methods by inequalities have none.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub lqg: Option<LqgSection>,
     /// What `interpolation` copies.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub interpolation: Option<InterpolationSection>,
@@ -53,13 +53,21 @@ pub struct DesignSpec {
     #[serde(default, skip_serializing_if = "LyapunovScaleSpec::is_searched")]
     pub lyapunov_scale: LyapunovScaleSpec,
     /// Vehicle fields that are only known to lie between two values: one gain for all of them (`robust-state-feedback`).
-    #[serde(default, skip_serializing_if = "Named::is_empty")]
+    #[serde(
+        default,
+        skip_serializing_if = "Named::is_empty",
+        deserialize_with = "super::design_pairs::ranges"
+    )]
     pub range: Named<[f64; 2]>,
     /// Vehicle fields of further vehicles that the same gain is for.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub plant: Vec<Named<f64>>,
     /// Orders to which the controller is truncated too, each in its own loop (`mixed-h2-hinf`).
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[serde(
+        default,
+        skip_serializing_if = "Vec::is_empty",
+        deserialize_with = "super::design_pairs::orders"
+    )]
     pub truncate_to: Vec<usize>,
     /// Noise and back-off of `mixed-h2-hinf`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -185,7 +193,7 @@ pub struct InterpolationSection {
     #[serde(default = "tolerance")]
     pub tolerance: f64,
     /// Ψ's a, rad/s, and b, (rad/s)², as given; both or none.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "super::design_pairs::psi")]
     pub psi: Option<[f64; 2]>,
 }
 
@@ -235,16 +243,22 @@ impl DesignSpec {
         Ok(spec)
     }
 
+    /// Noises of `lqg`, as they are where they are not stated.
+    #[must_use]
+    pub fn noises(&self) -> LqgSection {
+        self.lqg.clone().unwrap_or_default()
+    }
+
     /// Refuses numbers that no design can have.
     ///
     /// # Errors
     /// [`StudyError::Setting`] with the field.
     pub fn check(&self) -> Result<(), StudyError> {
-        let noise = self.lqg.sensor_noise;
+        let noises = self.noises();
         let usual = |v: f64| v == 0.0 || (1e-60..=1e60).contains(&v);
         for (field, found) in [
-            ("lqg.sensor_noise", noise),
-            ("lqg.process_noise", self.lqg.process_noise),
+            ("lqg.sensor_noise", noises.sensor_noise),
+            ("lqg.process_noise", noises.process_noise),
             ("input_weight", self.input_weight),
         ] {
             if !usual(found) {

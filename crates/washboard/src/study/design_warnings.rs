@@ -83,7 +83,7 @@ pub(super) fn with_noise(
 ) -> Result<Named<Rms>, StudyError> {
     let fail =
         |e: SynthesisError| StudyError::Design { name: problem.spec.vehicle.clone(), source: Box::new(e) };
-    let noise = vec![problem.spec.lqg.sensor_noise; problem.measurements.len()];
+    let noise = vec![problem.spec.noises().sensor_noise; problem.measurements.len()];
     let noisy = problem.plant.with_sensor_noise(&noise).map_err(|e| fail(e.into()))?;
     let closed = noisy.close(k).map_err(|e| fail(e.into()))?;
     let sensors: Vec<usize> = (problem.plant.nw()..noisy.nw()).collect();

@@ -1,5 +1,6 @@
 //! What a design says in words: how it ended, why there is no controller and what may help, what its names stand for.
 
+use super::design_advice::contradicted;
 use super::design_outcome::{DesignOutcome, DesignStatus, Measured};
 use super::design_problem::Problem;
 use super::{DesignDisturbance, DesignMethod, Flag};
@@ -85,6 +86,8 @@ impl DesignOutcome {
             "match_error" => pure("error of the copied acceleration, relative"),
             "objective" => pure("the goal's value"),
             "h2" => pure("H2 norm of all weighted outputs together"),
+            "pole_margin" => ("the loop's poles are kept left of minus".to_owned(), "1/s".to_owned()),
+            "added_input_weight" => ("weight of the control that was added".to_owned(), "1/N²".to_owned()),
             "back_off" => pure("given up for smaller gains, as a share"),
             "optimum" => pure("least value by one Lyapunov matrix"),
             "condition" => pure("condition of I − XY"),
@@ -98,6 +101,8 @@ impl DesignOutcome {
                 let unit = |output: &str| self.units.get(output).cloned().unwrap_or_default();
                 if let Some(output) = other.strip_prefix("rms_") {
                     (format!("rms of {output} by formula"), unit(output))
+                } else if let Some(output) = other.strip_prefix("h2_") {
+                    (format!("H2 norm of {output}"), unit(output))
                 } else if let Some(output) = other.strip_prefix("hinf_") {
                     (format!("largest gain of {output}"), format!("{} per {}", unit(output), self.per()))
                 } else if let Some(output) = other.strip_prefix("lyapunov_scale_") {
@@ -141,6 +146,10 @@ pub(super) fn expanded(problem: &Problem) -> Vec<Flag> {
 
 /// Why there is no controller, and what may help.
 pub(super) fn why(e: &SynthesisError, problem: &Problem, passive: &Measured) -> String {
+    let by_inequalities = problem.spec.method.is_by_inequalities();
+    if let Some(text) = contradicted(e, problem, passive).filter(|_| by_inequalities) {
+        return short_numbers(&text);
+    }
     let text = match e {
         SynthesisError::Riccati { equation, source: RiccatiError::OnTheBoundary { distance, frequency } } => {
             let help = if *equation == "filter" {
@@ -192,16 +201,22 @@ fn weight_hint(problem: &Problem, passive: &Measured) -> String {
         let what = format!("a force of 1 kN per {}", per(problem.spec.disturbance));
         (Some(USUAL_FORCE_N.powi(-2)), what)
     } else {
-        // rms on the road over the norm from the disturbance: the same factor for the force
-        let scale = problem.goals.iter().find_map(|g| {
-            let (rms, h2) = (passive.rms.get(&g.name)?.finite()?, passive.h2.get(&g.name)?.finite()?);
-            (rms > 0.0 && h2 > 0.0).then_some(rms / h2)
-        });
-        (scale.map(|s| (s / USUAL_FORCE_N).powi(2)), "a force of 1 kN rms on this road".to_owned())
+        (usual_weight(problem, passive), "a force of 1 kN rms on this road".to_owned())
     };
     weight.map_or_else(String::new, |w| {
         format!(". To begin with: input_weight = {w:.1e} (1/N²) makes {what} cost as much as an output of weight 1 without control")
     })
+}
+
+/// The weight of the control at which 1 kN rms on this road costs as much as an output of weight 1 without control, 1/N².
+pub(super) fn usual_weight(problem: &Problem, passive: &Measured) -> Option<f64> {
+    // rms on the road over the norm from the disturbance: the same factor for the force
+    let goals = problem.goals.iter().map(|g| g.name.as_str());
+    let scale = goals.chain(passive.rms.iter().map(|(n, _)| n)).find_map(|name| {
+        let (rms, h2) = (passive.rms.get(name)?.finite()?, passive.h2.get(name)?.finite()?);
+        (rms > 0.0 && h2 > 0.0).then_some(rms / h2)
+    });
+    scale.map(|s| (s / USUAL_FORCE_N).powi(2))
 }
 
 /// Long numbers in a sentence with a few digits: `3.6365966576707826e-11` as `3.64e-11`.

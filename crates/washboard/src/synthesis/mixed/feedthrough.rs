@@ -4,7 +4,7 @@ use super::parts::Parts;
 use crate::linalg::Mat;
 use crate::optimize::{Expr, Lmi, Variable};
 
-/// D̂ with D₁₁ + D₁₂D̂D₂₁ = 0 for the H2 goal: the least one, and what may be added to it.
+/// D̂ with D₁₁ + D₁₂D̂D₂₁ = 0 for all H2 goals together: the least one, and what may be added to it.
 pub(super) fn feedthrough(
     lmi: &mut Lmi,
     parts: &Parts,
@@ -15,7 +15,7 @@ pub(super) fn feedthrough(
         let v = lmi.matrix(nu, ny);
         (v.expr(), Mat::zeros(nu, ny), vec![(Mat::identity(nu, nu), v, Mat::identity(ny, ny))])
     };
-    let Some(h2) = &parts.h2 else { return whole(lmi) };
+    let Some(h2) = &parts.all_h2 else { return whole(lmi) };
     if h2.d12.norm_max() == 0.0 || h2.d21.norm_max() == 0.0 {
         return whole(lmi);
     }

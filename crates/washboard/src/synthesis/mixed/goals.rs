@@ -55,8 +55,8 @@ pub enum LyapunovScale {
 /// The goals of a mixed design.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MixedGoals {
-    /// At most one H2 channel.
-    pub h2: Option<H2Goal>,
+    /// Any number of H2 channels.
+    pub h2: Vec<H2Goal>,
     /// Any number of H∞ channels.
     pub hinf: Vec<HinfGoal>,
     /// The closed loop's poles.
@@ -108,15 +108,15 @@ impl MixedGoals {
             number("an H∞ goal's weight", goal.weight, 0.0)?;
             goal.bound.map_or(Ok(()), |b| number("an H∞ goal's bound", b, f64::MIN_POSITIVE))?;
         }
-        if let Some(goal) = &self.h2 {
+        for goal in &self.h2 {
             signals(&goal.outputs, &goal.disturbances)?;
-            number("the H2 goal's weight", goal.weight, 0.0)?;
-            goal.bound.map_or(Ok(()), |b| number("the H2 goal's bound", b, f64::MIN_POSITIVE))?;
+            number("an H2 goal's weight", goal.weight, 0.0)?;
+            goal.bound.map_or(Ok(()), |b| number("an H2 goal's bound", b, f64::MIN_POSITIVE))?;
         }
         let minimised =
-            self.hinf.iter().any(|g| g.weight > 0.0) || self.h2.as_ref().is_some_and(|g| g.weight > 0.0);
-        let bounded = self.hinf.iter().any(|g| g.bound.is_some())
-            || self.h2.as_ref().is_some_and(|g| g.bound.is_some());
+            self.hinf.iter().map(|g| g.weight).chain(self.h2.iter().map(|g| g.weight)).any(|w| w > 0.0);
+        let bounded =
+            self.hinf.iter().map(|g| g.bound).chain(self.h2.iter().map(|g| g.bound)).any(|b| b.is_some());
         if !minimised && !bounded && self.region == PoleRegion::default() {
             let expected = "something to minimise, a bound or a pole region".to_owned();
             return Err(LtiError::Join { what: "goals", expected, found: "none".into() });

@@ -49,12 +49,22 @@ pub(super) fn hinf(lmi: &mut Lmi, of: &Closed, b: &Mat, d: &Mat, scale: Scale, l
     lmi.negative("the H∞ norm", &e);
 }
 
-/// [He 𝐀, 𝐁; · −I] ≺ 0 and [Z, 𝐂; · 𝐗] ≻ 0: tr Z is above ‖T₂‖².
-pub(super) fn h2(lmi: &mut Lmi, of: &Closed, x: &Expr) -> Variable {
+/// [He 𝐀, 𝐁; · −I] ≺ 0 and [Z, 𝐂; · 𝐗] ≻ 0: tr Z is above ‖T₂‖². The first is one for all goals with the same `disturbances`,
+/// and `known` where it is there already.
+pub(super) fn h2<'a>(
+    lmi: &mut Lmi,
+    of: &Closed,
+    x: &Expr,
+    disturbances: &'a [usize],
+    known: &mut Vec<&'a [usize]>,
+) -> Variable {
     let (p, q) = of.d.shape();
     let z = lmi.symmetric(p);
-    let e = Expr::symmetric(vec![vec![of.a.he(), of.b.clone()], vec![Expr::identity(q, -1.0)]]);
-    lmi.negative("the H2 norm's covariance", &e);
+    if !known.contains(&disturbances) {
+        let e = Expr::symmetric(vec![vec![of.a.he(), of.b.clone()], vec![Expr::identity(q, -1.0)]]);
+        lmi.negative("the H2 norm's covariance", &e);
+        known.push(disturbances);
+    }
     lmi.positive(
         "the H2 norm's outputs",
         Expr::symmetric(vec![vec![z.expr(), of.c.clone()], vec![x.clone()]]),
@@ -86,12 +96,12 @@ impl Level {
     }
 }
 
-/// What a solution promises in the plant's units; `squared` is the bound on ‖T₂‖².
+/// What a solution promises in the plant's units; `squared` are the bounds on ‖T₂‖².
 pub(super) fn claims(
     units: &Units,
     goals: &MixedGoals,
     levels: &[Level],
-    squared: Option<f64>,
+    squared: Vec<f64>,
     scales: Vec<f64>,
     s: &LmiSolution,
 ) -> MixedClaims {
@@ -101,8 +111,8 @@ pub(super) fn claims(
     };
     let hinf: Vec<f64> = levels.iter().map(|l| units.plain_hinf(level(l).max(0.0).sqrt())).collect();
     let objective = goals.hinf.iter().zip(&hinf).map(|(g, v)| g.weight * v * v).sum::<f64>()
-        + goals.h2.as_ref().zip(squared).map_or(0.0, |(g, z)| g.weight * z);
-    MixedClaims { h2: squared.map(|z| z.max(0.0).sqrt()), hinf, objective, scales }
+        + goals.h2.iter().zip(&squared).map(|(g, z)| g.weight * z).sum::<f64>();
+    MixedClaims { h2: squared.iter().map(|z| z.max(0.0).sqrt()).collect(), hinf, objective, scales }
 }
 
 impl Scale {

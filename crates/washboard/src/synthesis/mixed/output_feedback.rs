@@ -55,7 +55,7 @@ pub fn mixed_h2_hinf(
 ) -> Result<MixedEnd<MixedController>, SynthesisError> {
     goals.check(plant)?;
     let units = Units::of(plant);
-    let parts = units.parts(plant, goals.h2.as_ref(), &goals.hinf);
+    let parts = units.parts(plant, &goals.h2, &goals.hinf);
     let settings =
         &SdpSettings { interior_gap: (goals.back_off > 0.0).then_some(goals.back_off), ..*settings };
     let solve = |scale: LyapunovScale| {
@@ -64,7 +64,7 @@ pub fn mixed_h2_hinf(
         };
         Program::solved(&units, &parts, goals, s, settings)
     };
-    let both = goals.h2.is_some() && !goals.hinf.is_empty();
+    let both = !goals.h2.is_empty() && !goals.hinf.is_empty();
     let (program, solution) = match goals.scale {
         LyapunovScale::Searched if both => search(solve)?,
         scale => solve(scale)?,
@@ -125,11 +125,11 @@ fn relaxed(
     // of one bound, the least norm that the region allows
     let Some(bound) = goals.hinf[one].bound else { return Ok(None) };
     let alone = MixedGoals {
-        h2: None,
+        h2: Vec::new(),
         hinf: vec![HinfGoal { weight: 1.0, bound: None, ..goals.hinf[one].clone() }],
         ..goals.clone()
     };
-    let parts = Parts { h2: None, hinf: vec![parts.hinf[one].clone()], ..parts.clone() };
+    let parts = Parts { h2: Vec::new(), hinf: vec![parts.hinf[one].clone()], all_h2: None, ..parts.clone() };
     let (_, solution) = Program::solved(units, &parts, &alone, 1.0, settings)?;
     let found = solution.outcome.objective;
     Ok((solution.outcome.status == Status::Optimal && found > 0.0).then(|| found.sqrt() / bound))
@@ -144,7 +144,7 @@ struct Program {
     /// The variables in D̂ = D₀ + N₁V₁ + V₂N₂ᵀ.
     free: Vec<(Mat, Variable, Mat)>,
     d0: Mat,
-    z: Option<Variable>,
+    z: Vec<Variable>,
     levels: Vec<Level>,
     scale: f64,
 }
@@ -190,15 +190,17 @@ impl Program {
             levels.push(level);
             hinf(&mut lmi, &closed(channel), &channel.b1, &channel.d11, Scale::Number(scale), level);
         }
-        let mut z = None;
-        if let (Some(goal), Some(channel)) = (&goals.h2, &parts.h2) {
-            let own = h2(&mut lmi, &closed(channel), &both);
+        let (mut z, mut known) = (Vec::new(), Vec::new());
+        for (goal, channel) in goals.h2.iter().zip(&parts.h2) {
+            let own = h2(&mut lmi, &closed(channel), &both, &goal.disturbances, &mut known);
             let trace = own.expr().trace();
-            objective = objective + trace.scaled(goal.weight);
+            if goal.weight > 0.0 {
+                objective = objective + trace.scaled(goal.weight);
+            }
             if let Some(bound) = goal.bound {
                 lmi.positive("a bound on the H2 norm", &Expr::identity(1, bound * bound) - &trace);
             }
-            z = Some(own);
+            z.push(own);
         }
         regions::add(&mut lmi, &units.region(&goals.region), &closed_a, &both);
         lmi.positive("X and Y", both.clone());
@@ -256,10 +258,11 @@ impl Program {
         if !matrices.iter().all(|m| m.norm_max().is_finite()) {
             return None;
         }
-        let squared = self.z.map(|z| {
-            let z = s.value(z);
+        let trace = |z: &Variable| {
+            let z = s.value(*z);
             (0..z.nrows()).map(|i| z[(i, i)]).sum::<f64>()
-        });
+        };
+        let squared = self.z.iter().map(trace).collect();
         let scales = vec![self.scale; self.levels.len()];
         let claims = claims(units, goals, &self.levels, squared, scales, s);
         Some((matrices, claims, condition))

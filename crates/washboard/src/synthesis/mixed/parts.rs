@@ -30,8 +30,10 @@ pub(super) struct Parts {
     pub a: Mat,
     pub b2: Mat,
     pub c2: Mat,
-    pub h2: Option<Channel>,
+    pub h2: Vec<Channel>,
     pub hinf: Vec<Channel>,
+    /// Outputs and disturbances of all H2 channels, stacked.
+    pub all_h2: Option<Channel>,
 }
 
 /// Powers of two: units change no digit.
@@ -73,7 +75,7 @@ impl Units {
     }
 
     /// The plant's channels in these units.
-    pub fn parts(&self, plant: &GeneralizedPlant, h2: Option<&H2Goal>, hinf: &[HinfGoal]) -> Parts {
+    pub fn parts(&self, plant: &GeneralizedPlant, h2: &[H2Goal], hinf: &[HinfGoal]) -> Parts {
         let (t, f, g, w) = (&self.states, &self.controls, &self.measurements, self.rate);
         let (a, b1, b2, c1, c2) = (plant.a(), plant.b1(), plant.b2(), plant.c1(), plant.c2());
         let (d11, d12, d21) = (plant.d11(), plant.d12(), plant.d21());
@@ -96,8 +98,17 @@ impl Units {
             a: Mat::from_fn(n, n, |i, j| a[(i, j)] * t[j] / t[i] / w),
             b2: Mat::from_fn(n, f.len(), |i, j| b2[(i, j)] * f[j] / t[i] / w),
             c2: Mat::from_fn(g.len(), n, |i, j| c2[(i, j)] * t[j] / g[i]),
-            h2: h2.map(|goal| channel(&goal.outputs, &goal.disturbances)),
+            h2: h2.iter().map(|goal| channel(&goal.outputs, &goal.disturbances)).collect(),
             hinf: hinf.iter().map(|goal| channel(&goal.outputs, &goal.disturbances)).collect(),
+            all_h2: (!h2.is_empty()).then(|| {
+                let outputs: Vec<_> = h2.iter().flat_map(|g| g.outputs.iter().copied()).collect();
+                let mut union: Vec<usize> = h2.iter().flat_map(|g| g.disturbances.iter().copied()).collect();
+                union.sort_unstable();
+                union.dedup();
+                // an empty list is all of them
+                let whole = h2.iter().any(|g| g.disturbances.is_empty());
+                channel(&outputs, if whole { &[] } else { &union })
+            }),
         }
     }
 

@@ -13,8 +13,8 @@ use crate::synthesis::{Assumption, SynthesisError, broken_assumptions};
 /// What the inequalities promise: bounds, not the norms themselves.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MixedClaims {
-    /// ‖T₂‖ of the weighted outputs is at most this, at every vertex.
-    pub h2: Option<f64>,
+    /// ‖T₂‖ of each H2 goal's weighted outputs is at most this, at every vertex.
+    pub h2: Vec<f64>,
     /// ‖T∞‖ of each H∞ goal is at most this.
     pub hinf: Vec<f64>,
     /// Σ α‖T∞‖² + β‖T₂‖² by these bounds.
@@ -90,14 +90,14 @@ pub fn robust_state_feedback(
         goals.check(vertex)?;
     }
     let units = Units::of(first);
-    let parts: Vec<Parts> = vertices.iter().map(|p| units.parts(p, goals.h2.as_ref(), &goals.hinf)).collect();
+    let parts: Vec<Parts> = vertices.iter().map(|p| units.parts(p, &goals.h2, &goals.hinf)).collect();
     let minimised = goals.hinf.iter().any(|g| g.weight > 0.0);
     let solve = |scale: LyapunovScale| {
         Program::within(Lmi::new(), &units, &parts, goals, scale, None)?.solve(settings)
     };
     let solved = match goals.scale {
         // γ² and s are both variables: s by a search over numbers
-        LyapunovScale::Searched if minimised && goals.h2.is_some() => super::scale::search(solve)?,
+        LyapunovScale::Searched if minimised && !goals.h2.is_empty() => super::scale::search(solve)?,
         scale => solve(scale)?,
     };
     let (program, solution) = solved;
@@ -145,7 +145,7 @@ fn relaxed(
     if goals.hinf.iter().all(|g| g.bound.is_none()) {
         return Ok(None);
     }
-    let bare = MixedGoals { h2: None, ..goals.clone() };
+    let bare = MixedGoals { h2: Vec::new(), ..goals.clone() };
     let mut lmi = Lmi::new();
     let factor = lmi.scalar();
     let program = Program::within(lmi, units, parts, &bare, LyapunovScale::Fixed(1.0), Some(factor))?;
@@ -159,7 +159,7 @@ pub(super) struct Program {
     lmi: Lmi,
     x: Variable,
     w: Variable,
-    z: Option<Variable>,
+    z: Vec<Variable>,
     levels: Vec<Level>,
     scales: Vec<Scale>,
 }
@@ -184,10 +184,10 @@ impl Program {
             let (level, more) = Level::of(&mut lmi, units, goal.bound, weight, objective);
             objective = more;
             levels.push(level);
-            let linear = matches!(level, Level::Number(_)) && goals.h2.is_some();
+            let linear = matches!(level, Level::Number(_)) && !goals.h2.is_empty();
             scales.push(Scale::of(&mut lmi, scale, linear));
         }
-        let mut z = None;
+        let mut z: Vec<Variable> = Vec::new();
         for part in parts {
             let a = &(&part.a * x) + &(&part.b2 * w);
             let closed = |c: &Channel| Closed {
@@ -208,17 +208,22 @@ impl Program {
                     _ => hinf(&mut lmi, &of, &channel.b1, &channel.d11, *scale, *level),
                 }
             }
-            if let Some(channel) = &part.h2 {
-                let own = h2(&mut lmi, &closed(channel), &x.expr());
+            let mut known = Vec::new();
+            for (k, (goal, channel)) in goals.h2.iter().zip(&part.h2).enumerate() {
+                let own = h2(&mut lmi, &closed(channel), &x.expr(), &goal.disturbances, &mut known);
                 // one Z above all vertices' traces
-                let most = *z.get_or_insert_with(|| lmi.scalar());
-                lmi.positive("the H2 norm", &most.expr() - &own.expr().trace());
+                if z.len() == k {
+                    z.push(lmi.scalar());
+                }
+                lmi.positive("the H2 norm", &z[k].expr() - &own.expr().trace());
             }
             regions::add(&mut lmi, &units.region(&goals.region), &a, &x.expr());
         }
         lmi.positive("X", x.expr());
-        if let (Some(goal), Some(z)) = (&goals.h2, z) {
-            objective = objective + z.expr().scaled(goal.weight);
+        for (goal, z) in goals.h2.iter().zip(&z) {
+            if goal.weight > 0.0 {
+                objective = objective + z.expr().scaled(goal.weight);
+            }
             if let Some(bound) = goal.bound {
                 lmi.positive("a bound on the H2 norm", &Expr::identity(1, bound * bound) - &z.expr());
             }
@@ -237,7 +242,7 @@ impl Program {
         let k = crate::linalg::solve(&x, &w.transpose().to_owned())
             .map_or_else(|_| Mat::zeros(w.nrows(), w.ncols()), |k| k.transpose().to_owned());
         let number = |v: Variable| s.value(v)[(0, 0)];
-        let squared = self.z.map(number);
+        let squared = self.z.iter().map(|z| number(*z)).collect();
         let scales = self.scales.iter().map(|s| match s {
             Scale::Number(s) => *s,
             Scale::Free(s) => number(*s),

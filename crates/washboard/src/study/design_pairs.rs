@@ -1,0 +1,73 @@
+//! Lists of numbers in a design's file, refused by their field: a list of three is not one of two with something behind it.
+
+use super::Named;
+use serde::de::{Error, IgnoredAny};
+use serde::{Deserialize, Deserializer};
+
+/// What may stand where two numbers are to.
+#[derive(Deserialize)]
+#[serde(untagged)]
+enum Written {
+    List(Vec<f64>),
+    Table(Named<IgnoredAny>),
+    Other(IgnoredAny),
+}
+
+fn two(place: &str, written: Written) -> Result<[f64; 2], String> {
+    let expected = format!("{place}: expected a list of two numbers");
+    match written {
+        Written::List(list) => match list[..] {
+            [low, high] => Ok([low, high]),
+            _ => {
+                let all: Vec<String> = list.iter().map(ToString::to_string).collect();
+                Err(format!("{expected}, found {}: [{}]", list.len(), all.join(", ")))
+            }
+        },
+        Written::Table(table) => {
+            let (own, inner) = (place.rsplit('.').next().unwrap_or(place), table.iter().next());
+            let name = inner.map_or_else(|| own.to_owned(), |(n, _)| format!("{own}.{n}"));
+            Err(format!(
+                "{expected}, found a table: a name with a dot stands in quotes, \"{name}\" = [low, high]"
+            ))
+        }
+        Written::Other(_) => Err(format!("{expected}, found something else")),
+    }
+}
+
+/// `range`: two numbers by name.
+pub(super) fn ranges<'de, D: Deserializer<'de>>(d: D) -> Result<Named<[f64; 2]>, D::Error> {
+    let written: Named<Written> = Named::deserialize(d)?;
+    let each = written.into_iter().map(|(name, w)| {
+        let pair = two(&format!("range.{name}"), w)?;
+        Ok((name, pair))
+    });
+    each.collect::<Result<Vec<_>, String>>().map(|all| all.into_iter().collect()).map_err(D::Error::custom)
+}
+
+/// `interpolation.psi`.
+pub(super) fn psi<'de, D: Deserializer<'de>>(d: D) -> Result<Option<[f64; 2]>, D::Error> {
+    let written: Option<Written> = Option::deserialize(d)?;
+    written.map(|w| two("interpolation.psi", w)).transpose().map_err(D::Error::custom)
+}
+
+/// `truncate_to`: whole numbers above 0.
+pub(super) fn orders<'de, D: Deserializer<'de>>(d: D) -> Result<Vec<usize>, D::Error> {
+    #[derive(Deserialize)]
+    #[serde(untagged)]
+    enum Orders {
+        Numbers(Vec<f64>),
+        Other(IgnoredAny),
+    }
+    /// More states than any controller has.
+    const MOST: f64 = 1e6;
+    let wrong = |found: String| {
+        D::Error::custom(format!("truncate_to: expected a list of whole numbers from 1, found {found}"))
+    };
+    match Orders::deserialize(d)? {
+        Orders::Numbers(all) => match all.iter().find(|v| !(v.fract() == 0.0 && (1.0..=MOST).contains(*v))) {
+            Some(v) => Err(wrong(v.to_string())),
+            None => Ok(all.into_iter().map(|v| v as usize).collect()),
+        },
+        Orders::Other(_) => Err(wrong("something else".to_owned())),
+    }
+}
