@@ -1,10 +1,11 @@
 //! `method = "mixed-h2-hinf"`: from a design's goals to matrix inequalities, and what they promise beside what is so.
 
 use super::Flag;
-use super::design_limits::{self, Attempt, Made, Try};
+use super::design_limits;
 use super::design_methods::Found;
 use super::design_outcome::DesignOutcome;
 use super::design_problem::{GoalBlock, Problem};
+use super::design_search::{Attempt, Made, Try};
 use crate::lti::{GeneralizedPlant, LtiError};
 use crate::optimize::SdpSettings;
 use crate::synthesis::{
@@ -18,7 +19,7 @@ const MINIMAL: f64 = 1e-10;
 /// The goals as the inequalities take them, for a plant whose performances are the problem's `reported` ones followed by
 /// weighted controls; all bounds `times` what is asked.
 pub(super) fn goals(problem: &Problem, plant: &GeneralizedPlant, asked: Try) -> MixedGoals {
-    let Try { times, back_off, region, added_weight } = asked;
+    let Try { times, back_off, region, added_weight, .. } = asked;
     let of = |g: &GoalBlock, factor: f64| g.members.iter().map(move |i| (*i, factor)).collect::<Vec<_>>();
     let mut outputs: Vec<(usize, f64)> = Vec::new();
     for g in problem.goals.iter().filter(|g| g.weight > 0.0) {
@@ -81,8 +82,8 @@ pub(super) fn by_mixed(problem: &Problem, alone: &Problem, outcome: &mut DesignO
     let whole = plant(alone, 0.0)?;
     let asked = spec.mixed.unwrap_or_default().back_off;
     let region = spec.poles.unwrap_or_default().region().unwrap_or_default();
-    let settings = SdpSettings::default();
     let solve = |tried: Try| {
+        let settings = SdpSettings { double_double: tried.patient, ..SdpSettings::default() };
         let weighted = if tried.added_weight > 0.0 { &plant(alone, tried.added_weight)? } else { &whole };
         let goals = goals(alone, weighted, tried);
         Ok(match mixed_h2_hinf(weighted, &goals, &settings)? {
@@ -97,7 +98,8 @@ pub(super) fn by_mixed(problem: &Problem, alone: &Problem, outcome: &mut DesignO
     };
     let Some(kept) = design_limits::within(problem, asked, region, outcome, solve)? else { return Ok(None) };
     let found = &kept.of;
-    let all = goals(alone, &whole, Try { times: 1.0, back_off: asked, region, added_weight: 0.0 });
+    let all =
+        goals(alone, &whole, Try { times: 1.0, back_off: asked, region, added_weight: 0.0, patient: true });
     claims(problem, &all, &found.claims, std::slice::from_ref(&found.achieved), outcome);
     kept.claim(outcome);
     outcome.claimed.insert("optimum", found.optimum);

@@ -1,11 +1,12 @@
 //! `method = "robust-state-feedback"`: one gain from the vehicle's states for all vehicles of a range.
 
 use super::design_gains::high_gain;
-use super::design_limits::{Attempt, Made, Try, within};
+use super::design_limits::within;
 use super::design_methods::Found;
 use super::design_mixed::{claims, goals, iterations};
 use super::design_outcome::{ControllerFile, DesignOutcome, DesignVertex};
 use super::design_problem::Problem;
+use super::design_search::{Attempt, Made, Try};
 use super::design_states::in_states;
 use super::{Flag, Named, StudyError};
 use crate::linalg::Mat;
@@ -142,7 +143,7 @@ pub(super) fn words(at: &Named<f64>) -> String {
 pub(super) fn by_robust(problem: &Problem, family: &Family, outcome: &mut DesignOutcome) -> Found {
     let region = problem.spec.poles.unwrap_or_default().region().unwrap_or_default();
     let plants: Vec<GeneralizedPlant> = family.vertices.iter().map(|v| v.plant.clone()).collect();
-    let as_asked = Try { times: 1.0, back_off: 0.0, region, added_weight: 0.0 };
+    let as_asked = Try { times: 1.0, back_off: 0.0, region, added_weight: 0.0, patient: true };
     let solve = |tried: Try| {
         if tried.added_weight == 0.0 {
             return feedback(&family.stated.problem, &plants, tried);
@@ -190,7 +191,7 @@ fn feedback(
     tried: Try,
 ) -> Result<Attempt<StateFeedback>, SynthesisError> {
     let gap = (tried.back_off > 0.0).then_some(tried.back_off);
-    let settings = SdpSettings { interior_gap: gap, ..SdpSettings::default() };
+    let settings = SdpSettings { interior_gap: gap, double_double: tried.patient, ..SdpSettings::default() };
     let all = goals(problem, &plants[0], tried);
     Ok(match robust_state_feedback(plants, &all, &settings)? {
         MixedEnd::Found(of) => {

@@ -29,6 +29,7 @@ mod design_problem;
 mod design_proof_rows;
 mod design_robust;
 mod design_rows;
+mod design_search;
 mod design_smallest;
 mod design_spec;
 mod design_states;

@@ -1,6 +1,6 @@
-//! The homogeneous embedding of a program with its dual, and Newton's equation for it.
+//! The homogeneous embedding of a program with its dual.
 
-use super::scalar::{MatOf, Real, dot, inner, norm, symmetric};
+use super::scalar::{MatOf, Real, dot, inner};
 use super::scaling::Scaled;
 use super::schur::{Operator, Operators};
 
@@ -76,208 +76,21 @@ impl<T: Real> Iterate<T> {
     }
 }
 
-/// Newton's equation at an iterate, factorised.
-pub(super) struct Newton<'a, T: Real> {
-    ops: &'a Operators<T>,
-    at: &'a Iterate<T>,
-    factor: MatOf<T>,
-    /// −B⁻¹(c + f), f = A*(M F₀ M).
-    by_tau: Vec<T>,
-    f: Vec<T>,
-    /// κ/τ + F₀•MF₀M + (f − c)ᵀby_tau.
-    pivot: T,
-}
-
-/// What a direction is to mend: the residuals' part and the complementarity's.
-struct Rhs<T> {
-    dual: Vec<T>,
-    primal: Vec<MatOf<T>>,
-    gap: T,
-    /// T with dS̃ + dZ̃ = T.
-    scaled: Vec<MatOf<T>>,
-    /// κ dτ + τ dκ.
-    kappa: T,
-}
-
-/// B's diagonal is raised by this share of itself where B is not positive definite in rounding, ever more.
-const RAISE: f64 = 64.0;
-const MOST_RAISES: usize = 5;
-/// Corrections of a direction by its own residual.
-const REFINEMENTS: usize = 3;
-
-impl<'a, T: Real> Newton<'a, T> {
-    /// None where the Schur complement cannot be factorised.
-    pub fn new(ops: &'a Operators<T>, at: &'a Iterate<T>) -> Option<Self> {
-        let metric: Vec<MatOf<T>> = at.blocks.iter().map(Scaled::metric).collect();
-        let mut schur = ops.schur(&metric);
-        let n = schur.nrows();
-        let mut raise = 0.0;
-        let largest = (0..n).map(|i| schur[(i, i)].double()).fold(0.0, f64::max);
-        let factor = (0..MOST_RAISES).find_map(|k| {
-            if k > 0 {
-                let more = T::EPSILON * RAISE.powi(k as i32);
-                for i in 0..n {
-                    let d = schur[(i, i)];
-                    // 1 + more would be 1 in double precision
-                    schur[(i, i)] = d + d * T::of(more - raise) + T::of(more * more * largest);
-                }
-                raise = more;
-            }
-            T::cholesky(&schur)
-        })?;
-        let carried: Vec<MatOf<T>> = ops
-            .blocks
-            .iter()
-            .zip(&metric)
-            .map(|(op, m)| {
-                symmetric(&T::product(T::product(m.as_ref(), op.constant.as_ref()).as_ref(), m.as_ref()))
-            })
-            .collect();
-        let f = ops.adjoint(carried.iter());
-        let mut pivot = at.kappa / at.tau;
-        ops.blocks.iter().zip(&carried).for_each(|(op, c)| pivot += inner(&op.constant, c));
-        let sum: Vec<T> = ops.objective.iter().zip(&f).map(|(c, f)| -(*c + *f)).collect();
-        let by_tau = T::solve(&factor, &sum);
-        let slope: Vec<T> = f.iter().zip(&ops.objective).map(|(f, c)| *f - *c).collect();
-        pivot += dot(&slope, &by_tau);
-        // φ − fᵀB⁻¹f ≥ 0 is a small difference of large numbers: what rounding leaves of it may be negative
-        let least = at.kappa / at.tau;
-        if !(pivot.double() > least.double()) {
-            pivot = least;
-        }
-        (pivot.double().is_finite() && pivot.double() > 0.0).then_some(Newton {
-            ops,
-            at,
-            factor,
-            by_tau,
-            f,
-            pivot,
-        })
-    }
-
-    /// The direction that takes residuals to σ of themselves and complementarity to σμ less the second-order part of
-    /// an earlier direction.
-    pub fn direction(
-        &self,
-        residuals: &Residuals<T>,
-        sigma: f64,
-        mu: T,
-        earlier: Option<&Direction<T>>,
-    ) -> Direction<T> {
-        let (less, target) = (T::of(sigma - 1.0), T::of(sigma) * mu);
-        let times = |a: &MatOf<T>, s: T| MatOf::from_fn(a.nrows(), a.ncols(), |i, j| a[(i, j)] * s);
-        let mut kappa = target - self.at.tau * self.at.kappa;
-        if let Some(e) = earlier {
-            kappa -= e.tau * e.kappa;
-        }
-        let scaled = self
-            .at
-            .blocks
-            .iter()
-            .enumerate()
-            .map(|(k, b)| {
-                let n = b.lambda.len();
-                let second = earlier.map(|e| {
-                    let [s, z] = &e.scaled[k];
-                    symmetric(&T::product(s.as_ref(), z.as_ref()))
-                });
-                MatOf::from_fn(n, n, |i, j| {
-                    let mut r = T::of(0.0);
-                    if i == j {
-                        r = target - b.lambda[i] * b.lambda[i];
-                    }
-                    if let Some(s) = &second {
-                        r -= s[(i, j)];
-                    }
-                    T::of(2.0) * r / (b.lambda[i] + b.lambda[j])
-                })
-            })
-            .collect();
-        let rhs = Rhs {
-            dual: residuals.dual.iter().map(|r| *r * less).collect(),
-            primal: residuals.primal.iter().map(|r| times(r, less)).collect(),
-            gap: residuals.gap * less,
-            scaled,
-            kappa,
+impl<T: Real> Direction<T> {
+    /// d + t·other.
+    pub fn plus(&self, other: &Self, t: T) -> Self {
+        let times = |a: &MatOf<T>, b: &MatOf<T>| {
+            MatOf::from_fn(a.nrows(), a.ncols(), |i, j| a[(i, j)] + b[(i, j)] * t)
         };
-        let mut found = self.solve(&rhs);
-        let size = norm(&rhs.dual) + rhs.gap.double().abs();
-        let mut last = f64::INFINITY;
-        for _ in 0..REFINEMENTS {
-            let (dual, gap) = self.left(&found, &rhs);
-            let now = norm(&dual) + gap.double().abs();
-            if !(now > 4.0 * T::EPSILON * size && now < 0.5 * last) {
-                break;
-            }
-            last = now;
-            let correction = self.solve(&Rhs {
-                dual,
-                primal: rhs.primal.iter().map(|p| MatOf::zeros(p.nrows(), p.ncols())).collect(),
-                gap,
-                scaled: rhs.scaled.iter().map(|p| MatOf::zeros(p.nrows(), p.ncols())).collect(),
-                kappa: T::of(0.0),
-            });
-            found = sum(&found, &correction);
+        let add = |a: &[[MatOf<T>; 2]], b: &[[MatOf<T>; 2]]| {
+            a.iter().zip(b).map(|([a, c], [b, d])| [times(a, b), times(c, d)]).collect()
+        };
+        Direction {
+            x: self.x.iter().zip(&other.x).map(|(a, b)| *a + *b * t).collect(),
+            blocks: add(&self.blocks, &other.blocks),
+            scaled: add(&self.scaled, &other.scaled),
+            tau: self.tau + other.tau * t,
+            kappa: self.kappa + other.kappa * t,
         }
-        found
-    }
-
-    /// c dτ − A*(dZ) = dual, dS − A(dx) − F₀dτ = primal, dκ + cᵀdx + F₀•dZ = gap, dS̃ + dZ̃ = scaled, κ dτ + τ dκ = kappa.
-    fn solve(&self, rhs: &Rhs<T>) -> Direction<T> {
-        let (ops, at) = (self.ops, self.at);
-        // H (T − HᵀP H) Hᵀ: dZ of dx = 0, dτ = 0
-        let fixed: Vec<MatOf<T>> = at
-            .blocks
-            .iter()
-            .zip(rhs.primal.iter().zip(&rhs.scaled))
-            .map(|(b, (p, t))| b.outward(&(t - b.inward(p))))
-            .collect();
-        let mut constant = T::of(0.0);
-        ops.blocks.iter().zip(&fixed).for_each(|(op, z)| constant += inner(&op.constant, z));
-        let right: Vec<T> = ops.adjoint(fixed.iter()).iter().zip(&rhs.dual).map(|(a, d)| *a + *d).collect();
-        let p = T::solve(&self.factor, &right);
-        // dκ = (kappa − κ dτ)/τ into the third equation
-        let slope: Vec<T> = self.f.iter().zip(&ops.objective).map(|(f, c)| *f - *c).collect();
-        let tau = (rhs.kappa / at.tau - rhs.gap + constant - dot(&slope, &p)) / self.pivot;
-        let x: Vec<T> = p.iter().zip(&self.by_tau).map(|(p, q)| *p + tau * *q).collect();
-        let kappa = (rhs.kappa - at.kappa * tau) / at.tau;
-        let (blocks, scaled) = at
-            .blocks
-            .iter()
-            .enumerate()
-            .map(|(k, b)| {
-                let (op, p) = (&ops.blocks[k], &rhs.primal[k]);
-                let f = op.apply(&x);
-                let ds = MatOf::from_fn(f.nrows(), f.ncols(), |i, j| {
-                    f[(i, j)] + op.constant[(i, j)] * tau + p[(i, j)]
-                });
-                let inward = b.inward(&ds);
-                let other = &rhs.scaled[k] - &inward;
-                ([ds, b.outward(&other)], [inward, other])
-            })
-            .unzip();
-        Direction { x, blocks, scaled, tau, kappa }
-    }
-
-    /// What is left of the first and the third equation.
-    fn left(&self, d: &Direction<T>, rhs: &Rhs<T>) -> (Vec<T>, T) {
-        let a = self.ops.adjoint(d.blocks.iter().map(|[_, z]| z));
-        let dual = (0..a.len()).map(|i| rhs.dual[i] - self.ops.objective[i] * d.tau + a[i]).collect();
-        let mut gap = rhs.gap - d.kappa - dot(&self.ops.objective, &d.x);
-        self.ops.blocks.iter().zip(&d.blocks).for_each(|(op, [_, z])| gap -= inner(&op.constant, z));
-        (dual, gap)
-    }
-}
-
-fn sum<T: Real>(a: &Direction<T>, b: &Direction<T>) -> Direction<T> {
-    let add = |a: &[[MatOf<T>; 2]], b: &[[MatOf<T>; 2]]| {
-        a.iter().zip(b).map(|([a, c], [b, d])| [a + b, c + d]).collect()
-    };
-    Direction {
-        x: a.x.iter().zip(&b.x).map(|(a, b)| *a + *b).collect(),
-        blocks: add(&a.blocks, &b.blocks),
-        scaled: add(&a.scaled, &b.scaled),
-        tau: a.tau + b.tau,
-        kappa: a.kappa + b.kappa,
     }
 }

@@ -19,6 +19,11 @@ impl Norms {
         let square: f64 = ops.blocks.iter().map(|b| inner(&b.constant, &b.constant).double()).sum();
         Norms { objective: norm(&ops.objective), constants: square.sqrt() }
     }
+
+    /// What a residual of the dual equation is relative to.
+    pub fn of_dual(&self, tau: f64) -> f64 {
+        tau * (1.0 + self.objective)
+    }
 }
 
 /// How well an iterate solves the program, and how well it proves that there is no solution.
@@ -84,7 +89,7 @@ pub(super) fn inside<T: Real>(ops: &Operators<T>, at: &Iterate<T>) -> Option<Vec
     let positive = ops.blocks.iter().all(|op| {
         let f = op.apply(&x);
         let sum = MatOf::from_fn(f.nrows(), f.ncols(), |i, j| f[(i, j)] + op.constant[(i, j)]);
-        T::cholesky(&sum).is_some()
+        T::cholesky(sum).is_some()
     });
     positive.then(|| x.iter().map(|x| x.double()).collect())
 }

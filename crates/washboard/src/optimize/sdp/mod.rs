@@ -3,8 +3,10 @@
 mod embedding;
 mod error;
 mod judge;
+mod newton;
 mod outcome;
 mod problem;
+mod refine;
 mod scalar;
 mod scales;
 mod scaling;

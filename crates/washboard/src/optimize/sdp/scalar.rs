@@ -1,6 +1,8 @@
 //! The numbers that the solver computes with: double, and double-double where double does not suffice.
 
 use faer::MatRef;
+use faer::dyn_stack::{MemBuffer, MemStack};
+use faer::linalg::cholesky::llt::factor::{cholesky_in_place, cholesky_in_place_scratch};
 use faer::traits::RealField;
 use rayon::prelude::*;
 use std::ops::{Add, AddAssign, Div, DivAssign, Mul, Neg, Sub, SubAssign};
@@ -29,8 +31,8 @@ pub(super) trait Real:
     fn root(self) -> Self;
     /// A·B.
     fn product(a: MatRef<'_, Self>, b: MatRef<'_, Self>) -> MatOf<Self>;
-    /// L with LLᵀ = A; None where A is not positive definite.
-    fn cholesky(a: &MatOf<Self>) -> Option<MatOf<Self>>;
+    /// L with LLᵀ = A, of which the lower triangle is read; None where A is not positive definite.
+    fn cholesky(a: MatOf<Self>) -> Option<MatOf<Self>>;
     /// (LLᵀ)⁻¹ b.
     fn solve(l: &MatOf<Self>, b: &[Self]) -> Vec<Self>;
 }
@@ -54,8 +56,17 @@ impl Real for f64 {
         a * b
     }
 
-    fn cholesky(a: &MatOf<f64>) -> Option<MatOf<f64>> {
-        Some(a.llt(faer::Side::Lower).ok()?.L().to_owned())
+    fn cholesky(mut a: MatOf<f64>) -> Option<MatOf<f64>> {
+        let parallel = faer::get_global_parallelism();
+        let size = cholesky_in_place_scratch::<f64>(a.nrows(), parallel, Default::default());
+        let mut memory = MemBuffer::new(size);
+        let stack = MemStack::new(&mut memory);
+        let plain = Default::default();
+        cholesky_in_place(a.as_mut(), plain, parallel, stack, Default::default()).ok()?;
+        for (j, column) in a.col_iter_mut().enumerate() {
+            column.get_mut(..j).fill(0.0);
+        }
+        Some(a)
     }
 
     fn solve(l: &MatOf<f64>, b: &[f64]) -> Vec<f64> {
@@ -97,7 +108,7 @@ impl Real for faer::fx128 {
         MatOf::from_fn(n, m, |i, j| all[j][i])
     }
 
-    fn cholesky(a: &MatOf<Self>) -> Option<MatOf<Self>> {
+    fn cholesky(a: MatOf<Self>) -> Option<MatOf<Self>> {
         let n = a.nrows();
         let mut l: Vec<Vec<Self>> = (0..n).map(|i| (0..=i).map(|j| a[(i, j)]).collect()).collect();
         for j in 0..n {

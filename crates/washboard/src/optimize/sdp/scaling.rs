@@ -21,7 +21,7 @@ impl<T: Real> Scaled<T> {
     /// Z are what directions move, so that neither feasibility hangs on GᵀH = I.
     pub fn new(slack: MatOf<T>, multiplier: MatOf<T>) -> Option<Self> {
         let n = slack.nrows();
-        let (left, right) = (T::cholesky(&slack)?, T::cholesky(&multiplier)?);
+        let (left, right) = (T::cholesky(slack.clone())?, T::cholesky(multiplier.clone())?);
         let product = T::product(right.transpose(), left.as_ref());
         let size = T::of(rounded(&product).norm_max());
         let scaled = MatOf::from_fn(n, n, |i, j| product[(i, j)] / size);

@@ -55,26 +55,26 @@ impl<T: Real> Operator<T> {
         }
     }
 
-    /// Adds F_i•MF_jM to the lower triangle of the Schur complement.
+    /// Adds F_i•MF_jM to the lower triangle of the Schur complement, of which these are the columns.
     ///
     /// With G = VᵀMV, the part of two atoms is 2cc'(G\[l, l'\]G\[r, r'\] + G\[l, r'\]G\[r, l'\]). Where a variable has many
     /// atoms, VᵀMF_jMV is made once instead.
-    pub fn schur(&self, m: &MatOf<T>, rows: &mut [Vec<T>]) {
+    pub fn schur(&self, m: &MatOf<T>, columns: &mut [&mut [T]]) {
         let gram = self.gram(m);
         let d = gram.nrows();
         let total: usize = self.active.iter().map(|(_, atoms)| atoms.len()).sum();
-        let mut place = vec![usize::MAX; rows.len()];
+        let mut place = vec![usize::MAX; columns.len()];
         self.active.iter().enumerate().for_each(|(k, (variable, _))| place[*variable] = k);
         let flat: &[T] =
             &(0..d).flat_map(|j| (0..d).map(move |i| (i, j))).map(|p| gram[p]).collect::<Vec<_>>();
-        let fill = |(variable, row): (usize, &mut Vec<T>)| {
+        let fill = |(variable, column): (usize, &mut &mut [T])| {
             let Some((_, mine)) = self.active.get(place[variable]) else { return };
-            let before = self.active.partition_point(|(v, _)| *v <= variable);
+            let others = &self.active[place[variable]..];
             // by pairs of atoms: 4 per pair; by the product: 4d² an atom here and 2 an atom there
             let by_pairs = 4 * mine.len() * total;
             let by_product = 4 * mine.len() * d * d + 2 * total;
             if by_pairs <= by_product {
-                for (other, theirs) in &self.active[..before] {
+                for (other, theirs) in others {
                     let mut sum = T::of(0.0);
                     for a in mine {
                         let (l, r) =
@@ -86,7 +86,7 @@ impl<T: Real> Operator<T> {
                         }
                         sum += T::of(2.0 * a.coefficient) * part;
                     }
-                    row[*other] += sum;
+                    column[*other] += sum;
                 }
                 return;
             }
@@ -95,24 +95,24 @@ impl<T: Real> Operator<T> {
                 let (l, r) = (&flat[a.left * d..(a.left + 1) * d], &flat[a.right * d..(a.right + 1) * d]);
                 for j in 0..d {
                     let (rj, lj) = (T::of(a.coefficient) * r[j], T::of(a.coefficient) * l[j]);
-                    let column = &mut product[j * d..(j + 1) * d];
+                    let of_j = &mut product[j * d..(j + 1) * d];
                     for i in 0..d {
-                        column[i] += l[i] * rj + r[i] * lj;
+                        of_j[i] += l[i] * rj + r[i] * lj;
                     }
                 }
             }
-            for (other, theirs) in &self.active[..before] {
+            for (other, theirs) in others {
                 let mut sum = T::of(0.0);
                 for b in theirs {
                     sum += T::of(2.0 * b.coefficient) * product[b.left * d + b.right];
                 }
-                row[*other] += sum;
+                column[*other] += sum;
             }
         };
-        if rows.len() * total < SMALL {
-            rows.iter_mut().enumerate().for_each(fill);
+        if columns.len() * total < SMALL {
+            columns.iter_mut().enumerate().for_each(fill);
         } else {
-            rows.par_iter_mut().enumerate().for_each(fill);
+            columns.par_iter_mut().enumerate().for_each(fill);
         }
     }
 
@@ -152,11 +152,13 @@ impl<T: Real> Operators<T> {
         sums
     }
 
-    /// F_i•MF_jM, symmetric.
+    /// F_i•MF_jM: its lower triangle.
     pub fn schur(&self, m: &[MatOf<T>]) -> MatOf<T> {
         let count = self.objective.len();
-        let mut rows: Vec<Vec<T>> = (0..count).map(|i| vec![T::of(0.0); i + 1]).collect();
-        self.blocks.iter().zip(m).for_each(|(b, m)| b.schur(m, &mut rows));
-        MatOf::from_fn(count, count, |i, j| if i >= j { rows[i][j] } else { rows[j][i] })
+        let mut schur = MatOf::zeros(count, count);
+        let mut columns: Vec<&mut [T]> =
+            schur.col_iter_mut().filter_map(|c| Some(c.try_as_col_major_mut()?.as_slice_mut())).collect();
+        self.blocks.iter().zip(m).for_each(|(b, m)| b.schur(m, &mut columns));
+        schur
     }
 }

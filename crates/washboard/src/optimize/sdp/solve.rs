@@ -1,7 +1,8 @@
 //! The search: predictor and corrector on the homogeneous embedding, in double, then in double-double where that stalls.
 
-use super::embedding::{Direction, Iterate, Newton};
+use super::embedding::{Direction, Iterate};
 use super::judge::{FLOOR, Norms, inside, judge};
+use super::newton::Newton;
 use super::outcome::{Measures, SdpOutcome, Status};
 use super::problem::Sdp;
 use super::scalar::{Real, cast, dot, rounded};
@@ -17,7 +18,7 @@ pub struct SdpSettings {
     pub tolerance: f64,
     /// Iterations in each precision.
     pub max_iterations: usize,
-    /// Whether a search that stalls above the tolerance goes on in double-double.
+    /// Whether a search that stalls above the tolerance goes on in double-double: of at most 400 variables, where that takes seconds.
     pub double_double: bool,
     /// The first iterate whose F(x) is positive definite and whose cᵀx is within this share of the least is kept as
     /// `interior`: a point well inside, where optima themselves lie on the boundary and may be infinitely far.
@@ -30,6 +31,8 @@ impl Default for SdpSettings {
     }
 }
 
+/// Variables of a program that is solved in double-double: Cholesky's factor of 400 takes .2 s there, and a search up to 100 of them.
+const MOST_EXACT: usize = 400;
 /// A step goes this far to the boundary, by how far the predictor went.
 const NEAR: [f64; 2] = [0.9, 0.99];
 /// Shorter steps, one after another, are a stall.
@@ -44,6 +47,16 @@ const KNOWN: f64 = 5e-5;
 const LOOSE: f64 = 100.0;
 /// A search that stalls at so many times the tolerance has found its optimum.
 const NEARLY: f64 = 10.0;
+/// A direction whose second order is the predictor's is made again with its own so many times, if it reaches less far than this and
+/// each time so many times as far as before.
+const CORRECTIONS: usize = 2;
+const FAR: f64 = 0.95;
+const GAIN: f64 = 1.02;
+/// What a direction may leave of the dual equation: a share of the tolerance, or of what there is.
+const FINE: f64 = 0.05;
+const LESS: f64 = 0.01;
+/// Iterations that do not halve the dual equation's residual, where all else is within the tolerance, before a search counts as stalled.
+const MOST_FLAT: usize = 2;
 /// Iterations without a better iterate before a search counts as stalled: in double, where double-double comes next, and
 /// there.
 const PATIENCE: [usize; 2] = [10, 30];
@@ -51,8 +64,8 @@ const PATIENCE: [usize; 2] = [10, 30];
 impl Sdp {
     /// Solves the program.
     ///
-    /// Homogeneous self-dual embedding, Nesterov and Todd's direction, Mehrotra's predictor and corrector; the Schur
-    /// complement from Gram matrices of the coefficients' vectors.
+    /// Homogeneous self-dual embedding, Nesterov and Todd's direction, Mehrotra's predictor and corrector, the latter repeated; the
+    /// Schur complement from Gram matrices of the coefficients' vectors, its factor before GMRES.
     pub fn solve(&self, settings: &SdpSettings) -> SdpOutcome {
         let scaled = Scales::of(self);
         let program = scaled.program(self);
@@ -67,6 +80,7 @@ impl Sdp {
         });
         if end.status == Status::Stalled
             && settings.double_double
+            && self.variables() <= MOST_EXACT
             && !inside
             && let Some(mut iterate) = iterate.exact()
         {
@@ -115,6 +129,7 @@ fn run<T: Real>(
     let mut best = f64::INFINITY;
     let mut best_measures = Measures { primal: f64::INFINITY, dual: f64::INFINITY, gap: f64::INFINITY };
     let (mut since, mut short, mut count) = (0, 0, 0);
+    let (mut lowest, mut flat) = (f64::INFINITY, 0);
     let mut interior = Vec::new();
     let status = loop {
         let residuals = at.residuals(ops);
@@ -146,28 +161,38 @@ fn run<T: Real>(
             *iterate = at.clone();
             break status;
         }
-        if since > patience || short > MOST_SHORT || count >= settings.max_iterations {
+        if measures.dual < 0.5 * lowest {
+            (lowest, flat) = (measures.dual, 0);
+        } else {
+            flat += 1;
+        }
+        // rounding's share of the dual equation is all that is left
+        let floor = flat > MOST_FLAT && measures.gap.max(measures.primal) <= settings.tolerance;
+        if floor || since > patience || short > MOST_SHORT || count >= settings.max_iterations {
             break Status::Stalled;
         }
         let Some(newton) = Newton::new(ops, &at) else { break Status::Stalled };
         let mu = at.mu();
-        let affine = newton.direction(&residuals, 0.0, mu, None);
-        let reach = |d: &Direction<T>| {
-            let scalars = [(at.tau, d.tau), (at.kappa, d.kappa)]
-                .map(|(v, d)| if d.double() < 0.0 { (-(v / d)).double() } else { f64::INFINITY });
-            at.blocks
-                .iter()
-                .enumerate()
-                .flat_map(|(k, b)| d.scaled[k].each_ref().map(|d| b.longest(d)))
-                .chain(scalars)
-                .fold(f64::INFINITY, f64::min)
-        };
-        let free = reach(&affine).min(1.0);
+        let enough = norms.of_dual(at.tau.double()) * (FINE * settings.tolerance).max(LESS * measures.dual);
+        let affine = newton.direction(&residuals, 0.0, mu, None, enough);
+        let free = at.reach(&affine).min(1.0);
         let sigma = (1.0 - free).powi(3).clamp(1e-6, 1.0);
-        let d = newton.direction(&residuals, sigma, mu, Some(&affine));
+        let mut d = newton.direction(&residuals, sigma, mu, Some(&affine), enough);
+        let mut reach = at.reach(&d);
+        for _ in 0..CORRECTIONS {
+            if reach > FAR {
+                break;
+            }
+            let more = newton.direction(&residuals, sigma, mu, Some(&d), enough);
+            let further = at.reach(&more);
+            if !(further > GAIN * reach) {
+                break;
+            }
+            (d, reach) = (more, further);
+        }
         // closer to the boundary where the predictor went far: at the boundary too soon, iterates zigzag along it
         let near = NEAR[0] + (NEAR[1] - NEAR[0]) * free;
-        let mut alpha = (near * reach(&d)).min(1.0);
+        let mut alpha = (near * reach).min(1.0);
         let next = (0..30).find_map(|_| {
             let moved = step(&at, &d, alpha);
             alpha *= if moved.is_none() { 0.5 } else { 1.0 };
@@ -196,6 +221,17 @@ fn step<T: Real>(at: &Iterate<T>, d: &Direction<T>, alpha: f64) -> Option<Iterat
 }
 
 impl<T: Real> Iterate<T> {
+    /// The longest step along a direction.
+    fn reach(&self, d: &Direction<T>) -> f64 {
+        let scalars = [(self.tau, d.tau), (self.kappa, d.kappa)]
+            .map(|(v, d)| if d.double() < 0.0 { (-(v / d)).double() } else { f64::INFINITY });
+        let blocks = self.blocks.iter().zip(&d.scaled);
+        blocks
+            .flat_map(|(b, d)| d.each_ref().map(|d| b.longest(d)))
+            .chain(scalars)
+            .fold(f64::INFINITY, f64::min)
+    }
+
     /// The embedding is homogeneous: its iterates are kept at τ + κ of order one.
     fn normalised(mut self) -> Self {
         let size = self.tau.double().max(self.kappa.double());
