@@ -2,7 +2,7 @@
 
 use super::spec_table::read_table;
 use super::{Coherence, IsoClass, Road, RoadError};
-use crate::files::FileError;
+use crate::files::{FileError, parse_toml};
 use crate::units::Convention;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
@@ -126,12 +126,20 @@ impl RoadSpec {
     /// # Errors
     /// The file's, or the road's with the file's name.
     pub fn read(path: &Path) -> Result<(Self, Road), FileError> {
-        let mut spec: RoadSpec = crate::files::read_toml(path).map_err(of_a_matrix)?;
+        let mut spec = Self::parse(&crate::files::read_text(path)?, path)?;
         if let Some(data) = &mut spec.data {
             *data = path.parent().unwrap_or(Path::new(".")).join(&*data);
         }
         let road = spec.build_in(path)?;
         Ok((spec, road))
+    }
+
+    /// A road from TOML text; `path` is only for messages.
+    ///
+    /// # Errors
+    /// As [`parse_toml`].
+    pub fn parse(text: &str, path: &Path) -> Result<Self, FileError> {
+        parse_toml(text, path).map_err(of_a_matrix)
     }
 
     /// The road, errors carrying the name of the file that it came from.
@@ -204,7 +212,6 @@ fn of_a_matrix(e: FileError) -> FileError {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::files::parse_toml;
 
     fn parse(text: &str) -> Result<Road, String> {
         let spec: RoadSpec = parse_toml(text, Path::new("road.toml")).map_err(|e| e.to_string())?;

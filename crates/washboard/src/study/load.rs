@@ -116,7 +116,7 @@ pub fn load_excitation(name: &str) -> Result<LoadedExcitation, StudyError> {
         let loaded = LoadedFilter { name: name.to_owned(), spec, filter, inputs };
         return Ok(LoadedExcitation::Points(Box::new(loaded)));
     }
-    let mut spec: RoadSpec = parse_toml(&text, path)?;
+    let mut spec = RoadSpec::parse(&text, path)?;
     if let Some(data) = &mut spec.data {
         *data = PathBuf::from(beside(name, &data.to_string_lossy()));
         inputs.push(Input::of_file(data)?);

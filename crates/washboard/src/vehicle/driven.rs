@@ -46,6 +46,23 @@ impl Driven {
         Driven::by(vehicle, &filter, &standing(vehicle, road, &filter)?, outputs).map(Some)
     }
 
+    /// The same with states scaled by powers of two: displacements beside velocities of a stiff tire are 1e-6 of them, and Lyapunov's
+    /// equation is solved to the largest.
+    pub fn balanced(mut self) -> Result<Self, LtiError> {
+        let seen = |i: usize, j: usize| if self.growth[i] == Growth::Finite { self.c[(i, j)] } else { 0.0 };
+        let c = Mat::from_fn(self.c.nrows(), self.c.ncols(), seen);
+        let none = Mat::zeros(c.nrows(), self.b.ncols());
+        let (_, scales) =
+            StateSpace::continuous(self.a.clone(), self.b.clone(), c, none)?.balanced_scales()?;
+        let times = |m: &Mat, by: &dyn Fn(usize, usize) -> f64| {
+            Mat::from_fn(m.nrows(), m.ncols(), |i, j| m[(i, j)] * by(i, j))
+        };
+        self.a = times(&self.a, &|i, j| scales[i] / scales[j]);
+        self.b = times(&self.b, &|i, _| scales[i]);
+        self.c = times(&self.c, &|_, j| 1.0 / scales[j]);
+        Ok(self)
+    }
+
     /// The vehicle behind a filter of all its wheels; `together` are combinations of heights that belong together: rows of
     /// factors of every wheel, each of which must vanish if an output is to follow no height that wanders.
     pub fn by(

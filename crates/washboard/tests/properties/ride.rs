@@ -52,6 +52,30 @@ fn lyapunov_and_quadrature_agree_on_rational_roads() {
     both_routes(&quarter, &Road::new(first, Coherence::Full), 20.0);
 }
 
+/// ẇ of intensity I on a tire so stiff that the body stands still beside it: m ë + c ė + k e = −m ẅ − c ẇ has E[e²] = I m/(2c) (1 + c²/(k m)),
+/// whatever k is, and accelerations grow with √k. Displacements beside velocities are 1e-7 of them there.
+#[test]
+fn stiff_tires_keep_their_deflection() {
+    let road = Road::new(Spectrum::white_velocity(1.0).unwrap(), Coherence::Full);
+    let mut spec = cases::vehicle_spec("turkay-quarter-car").unwrap();
+    let mut before: Option<f64> = None;
+    for k in [1e10, 1e12, 1e14] {
+        let car = spec.quarter_car.as_mut().unwrap();
+        car.tire_stiffness_n_per_m = k;
+        let expected = (car.unsprung_mass_kg / (2.0 * car.suspension_damping_n_s_per_m)).sqrt();
+        let vehicle = spec.build_alone().unwrap();
+        let outputs: Vec<&Output> =
+            ["tire_deflection", "sprung_acceleration"].map(|n| vehicle.output(n).unwrap()).into();
+        let found = finite(&Ride::new(&vehicle, &road, 20.0).unwrap().variances(&outputs).unwrap());
+        assert!((found[0] / expected - 1.0).abs() < 1e-6, "{k:e}: {} for {expected}", found[0]);
+        // what the body's own motion adds falls as 1/√k
+        if let Some(before) = before {
+            assert!((found[1] / before / 10.0 - 1.0).abs() < 1e-4, "{k:e}: {} after {before}", found[1]);
+        }
+        before = Some(found[1]);
+    }
+}
+
 /// Heights that wander together move a car that anti-roll bars hold: its travels settle. The same road with a corner far below
 /// all modes has them by Lyapunov's equation.
 #[test]

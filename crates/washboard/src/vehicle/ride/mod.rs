@@ -5,6 +5,7 @@ mod quadrature;
 use super::driven::{Driven, Growth, sources};
 use super::{Control, ControlError, Output, Vehicle};
 use crate::linalg::{C64, CMat, LinalgError, Mat, eigen, expm, lyapunov};
+use crate::lti::LtiError;
 use crate::road::{Coherence, Excitation};
 use thiserror::Error;
 
@@ -64,6 +65,9 @@ pub enum RideError {
     /// A controller that can't be used on this road.
     #[error(transparent)]
     Control(Box<ControlError>),
+    /// A system that can't be built.
+    #[error(transparent)]
+    Lti(#[from] LtiError),
     /// Linear algebra refused.
     #[error(transparent)]
     Linalg(#[from] LinalgError),
@@ -240,9 +244,14 @@ impl<'a> Ride<'a> {
         let covariance = self.state_covariance(&driven, 0.0)?;
         let r = &driven.c * &covariance * driven.c.transpose();
         let apart = self.sizes(&driven, outputs)?;
-        let clean = |v: f64, size: f64| if v <= CANCELLED_VARIANCE * size { 0.0 } else { v };
+        let clean = |v: f64, size: f64| {
+            let least = CANCELLED_VARIANCE * size;
+            let zero = v.abs() <= least;
+            // a variance below zero is none: the equation's rounding is larger than it
+            (v > least || zero).then_some(Variance::Finite(if zero { 0.0 } else { v }))
+        };
         let values = driven.growth.iter().enumerate().map(|(i, g)| match g {
-            Growth::Finite => Some(Variance::Finite(clean(r[(i, i)], apart[i]))),
+            Growth::Finite => clean(r[(i, i)], apart[i]),
             other => infinite(*other),
         });
         Ok(Some(values.collect()))
@@ -269,6 +278,7 @@ impl<'a> Ride<'a> {
                 one.growth.fill(Growth::Finite);
                 Ok(Some(one))
             })?;
+            let one = one.map(Driven::balanced).transpose()?;
             let one = one.as_ref().map_or_else(|| of(driven), of)?;
             sum.iter_mut().zip(one).for_each(|(s, v)| *s += v);
         }
@@ -295,7 +305,9 @@ impl<'a> Ride<'a> {
     }
 
     fn driven(&self, outputs: &[&Output]) -> Result<Option<Driven>, RideError> {
-        self.closed(outputs, |all| Ok(Driven::new(self.vehicle, self.road, self.speed_m_s, all)?))
+        let driven =
+            self.closed(outputs, |all| Ok(Driven::new(self.vehicle, self.road, self.speed_m_s, all)?))?;
+        Ok(driven.map(Driven::balanced).transpose()?)
     }
 
     /// What is driven, in its loop where there is a controller.
