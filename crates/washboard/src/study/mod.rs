@@ -75,6 +75,7 @@ mod road_fit_ways;
 mod road_fit_words;
 mod road_iri;
 mod road_profile;
+mod road_profile_ends;
 mod road_spec;
 mod sensors;
 mod shape_points;
