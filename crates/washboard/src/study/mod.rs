@@ -66,6 +66,7 @@ mod ride;
 mod road_analytic;
 mod road_analytic_data;
 mod road_fit;
+mod road_fit_cross;
 mod road_fit_file;
 mod road_fit_filter;
 mod road_fit_order;
@@ -120,6 +121,7 @@ pub use respond::{BumpOutcome, Direction, GainsOutcome, RespondOutcome, respond}
 pub use ride::{Infinite, RideOutcome, RideSpectra, Rms, ride};
 pub use road_analytic::{AnalyticSamples, RoadAnalyticOutcome, RoadAnalyticRun, road_analytic};
 pub use road_fit::{FitOrder, FittedSpectrum, RoadFitOutcome, RoadFitRun, road_fit};
+pub use road_fit_cross::CrossError;
 pub use road_fit_source::FitSource;
 pub use road_iri::{RoadIriOutcome, SegmentIri, TrackIri, road_iri};
 pub use road_profile::{ProfileTrack, RoadProfileOutcome, RoadProfileRun, road_profile};
