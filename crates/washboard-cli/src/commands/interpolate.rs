@@ -50,7 +50,12 @@ fn table(o: &InterpolateOutcome) -> String {
     }
     let size = format!("{} × {}", o.d.len(), o.d.first().map_or(0, Vec::len));
     let _ = writeln!(text, "order {}, {size}, {}", o.order, if o.stable { "stable" } else { "not stable" });
-    let _ = writeln!(text, "largest error {:.1e} of the values' size", o.max_error);
+    if let Some(error) = o.max_error {
+        let _ = writeln!(text, "largest error {error:.1e} of the values' size");
+    }
+    if let Some(rms) = o.measured_rms_error {
+        let _ = writeln!(text, "rms residual of the measured values {rms:.1e} of their size");
+    }
     if let Some([bound, least]) = o.bound {
         let _ = writeln!(text, "modulus on the boundary {bound:.6}; the least there can be is {least:.6}");
     }

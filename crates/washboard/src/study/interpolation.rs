@@ -6,7 +6,7 @@ use super::{Input, StudyError};
 use crate::files::{FileError, read_text};
 use crate::linalg::Mat;
 use crate::subspace::{
-    Domain, Interpolant, InterpolationData, Node, SubspaceError, fit_response, interpolate,
+    Domain, Interpolant, InterpolationData, Measured, Node, Point, SubspaceError, fit_response, interpolate,
     interpolate_bounded,
 };
 use serde::{Deserialize, Serialize};
@@ -55,8 +55,11 @@ pub struct InterpolateOutcome {
     pub d: Vec<Vec<f64>>,
     /// Those that the order was told by.
     pub singular_values: Vec<f64>,
-    /// At any node or constraint, over the largest value of the same derivative; recomputed from A, B, C, D.
-    pub max_error: f64,
+    /// At any node or constraint, over the largest value of the same derivative; recomputed from A, B, C, D. None where there are neither.
+    pub max_error: Option<f64>,
+    /// Root mean square of the measured values' residuals over that of the values; none without them.
+    #[serde(default)]
+    pub measured_rms_error: Option<f64>,
     /// Poles inside the disk, or left of the axis.
     pub stable: bool,
     /// The modulus on the boundary, where one was asked for, and the least that there can be.
@@ -101,7 +104,7 @@ pub fn interpolate_file(spec: &InterpolateSpec) -> Result<(InterpolateOutcome, V
             .collect()
     };
     let (data, constraints) = (nodes("nodes", &file.nodes)?, nodes("constraints", &file.constraints)?);
-    let mut bound = None;
+    let (mut bound, mut residual) = (None, None);
     let found = if file.measured.is_empty() {
         if !constraints.is_empty() {
             return Err(wrong("constraints: expected measured values to fit beside them, found none".into()));
@@ -141,10 +144,28 @@ pub fn interpolate_file(spec: &InterpolateSpec) -> Result<(InterpolateOutcome, V
             return Err(wrong("order: expected a number for measured values, found none".into()));
         };
         let measured = measured(&file.measured, scale).map_err(wrong)?;
-        fit_response(domain, &measured, &constraints, order).map_err(refused)?
+        let found = fit_response(domain, &measured, &constraints, order).map_err(refused)?;
+        residual = Some(rms_residual(&found, &measured).map_err(refused)?);
+        found
     };
-    let outcome = outcome(&found, file.domain, file.lambda, bound, scale);
+    let mut outcome = outcome(&found, file.domain, file.lambda, bound, scale);
+    outcome.measured_rms_error = residual;
+    if residual.is_some() && constraints.is_empty() {
+        outcome.max_error = None;
+    }
     Ok((outcome, vec![Input::of(path.display().to_string(), text.as_bytes())]))
+}
+
+/// √(Σ‖G(z_k) − G_k‖²/Σ‖G_k‖²); of values that are all 0 the root of the sum above.
+fn rms_residual(found: &Interpolant, measured: &[Measured]) -> Result<f64, SubspaceError> {
+    let (mut off, mut size) = (0.0, 0.0);
+    for x in measured {
+        for g in found.system.derivatives(Point::Finite(x.z), 1)? {
+            off += (g - &x.value).squared_norm_l2();
+        }
+        size += x.value.squared_norm_l2();
+    }
+    Ok((if size > 0.0 { off / size } else { off }).sqrt())
 }
 
 /// Whether other data would help, or the answer is no.
@@ -194,7 +215,8 @@ fn outcome(
         c,
         d,
         singular_values: found.singular_values.iter().map(|s| s * scale).collect(),
-        max_error: found.max_error,
+        max_error: Some(found.max_error),
+        measured_rms_error: None,
         stable: found.stable,
         bound,
     }

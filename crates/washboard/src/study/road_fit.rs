@@ -1,10 +1,11 @@
 //! The job `road fit`: a shaping filter from a measured spectrum, a profile, or a road.
 
 use super::identify_outcome::Flag;
+use super::road_fit_cross::CrossError;
 use super::road_fit_file::{check_name, filter_file, road_of};
 use super::road_fit_filter::RoadFilter;
 use super::road_fit_order::{Choice, choose};
-use super::road_fit_settings::{check_points, check_settings, scale_of, settings, size};
+use super::road_fit_settings::{check_lambda, check_points, check_settings, scale_of, settings, size};
 use super::road_fit_source::{FitSamples, FitSource, read_source};
 use super::road_fit_ways::{Feedthrough, fit_filter};
 use super::road_fit_words::notes;
@@ -53,6 +54,9 @@ pub struct RoadFitOutcome {
     pub log10_rms_error: f64,
     /// The largest one's magnitude.
     pub log10_max_error: f64,
+    /// Errors of a matrix's cross-spectra, which the trace does not show; none of one channel or without coherence.
+    #[serde(default)]
+    pub cross: Option<CrossError>,
     /// Lowest and highest frequency of the samples, rad/m or rad/s.
     pub band: [f64; 2],
     /// Unit of frequencies and poles.
@@ -138,6 +142,7 @@ pub fn road_fit(spec: &RoadFitSpec) -> Result<RoadFitRun, StudyError> {
     }
     check_points(&spec.points, size(&samples))?;
     let (mut settings, most, weight) = settings(spec, &samples)?;
+    check_lambda(spec, &samples)?;
     let scale = scale_of(&mut samples);
     let feedthrough = match (samples.of, spec.proper, spec.roll_off_rad) {
         (_, true, _) | (FilterOutput::Velocity, _, None) => Feedthrough::Keep,
@@ -166,6 +171,8 @@ pub fn road_fit(spec: &RoadFitSpec) -> Result<RoadFitRun, StudyError> {
         .iter_mut()
         .for_each(|s| *s = &*s * faer::Scale(C64::new(scale, 0.0)) * faer::Scale(C64::new(scale, 0.0)));
     let spectrum = compared(&filter, &samples, &spec.source)?;
+    let averages = noise.as_ref().map(|n| n.averages);
+    let cross = CrossError::of(&filter, &samples.omega, &samples.s, averages).map_err(fail)?;
     let model = &filter.fit.model;
     let over = samples.variable == FilterVariable::Distance;
     let mut outcome = RoadFitOutcome {
@@ -184,6 +191,7 @@ pub fn road_fit(spec: &RoadFitSpec) -> Result<RoadFitRun, StudyError> {
         d: rows(filter.system.d()),
         log10_rms_error: filter.log10_rms_error,
         log10_max_error: filter.log10_max_error,
+        cross,
         band: filter.fit.band_rad,
         unit: if over { "rad/m" } else { "rad/s" }.to_owned(),
         positivity_repaired: model.repair.is_some(),
@@ -206,7 +214,8 @@ pub fn road_fit(spec: &RoadFitSpec) -> Result<RoadFitRun, StudyError> {
     if !outcome.usable {
         outcome.file = None;
     }
-    outcome.notes.extend(notes(&outcome, &filter, spec.order, noise.as_ref().map(|n| n.averages)));
+    outcome.notes.extend(notes(&outcome, &filter, spec.order, averages));
+    outcome.notes.extend(outcome.cross.as_ref().and_then(|c| c.note(&outcome.unit)));
     let file = match &spec.output {
         Some(path) if outcome.usable => {
             Some((path.clone(), filter_file(path, &outcome, &samples, &spec.source)?))

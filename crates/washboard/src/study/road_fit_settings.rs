@@ -10,6 +10,8 @@ use crate::subspace::{Order, ShapeSettings, ShapeWeights, Unpaired, Weights};
 const MOST_ORDER: usize = 10;
 /// Densities whose squares a double holds with room for a band.
 const HELD: std::ops::RangeInclusive<f64> = 1e-60..=1e60;
+/// λ may be this many times beyond either end of the band.
+const LAMBDA_SPAN: f64 = 1e3;
 /// Orders and block rows at most.
 const MOST: usize = 40;
 
@@ -78,6 +80,21 @@ pub(super) fn check_settings(spec: &RoadFitSpec) -> Result<(), StudyError> {
         && !(low > 0.0 && high > low && high.is_finite())
     {
         return setting("band", "two ascending frequencies above 0", format!("{low},{high}"));
+    }
+    Ok(())
+}
+
+/// Refuses a λ so far from the band that all of it is one point of the circle.
+pub(super) fn check_lambda(spec: &RoadFitSpec, samples: &FitSamples) -> Result<(), StudyError> {
+    let Some(lambda) = spec.lambda_rad else { return Ok(()) };
+    let ends = (samples.omega.iter().find(|w| **w > 0.0), samples.omega.last());
+    let (Some(low), Some(high)) = ends else { return Ok(()) };
+    let (least, most) = (low / LAMBDA_SPAN, high * LAMBDA_SPAN);
+    if !(least..=most).contains(&lambda) {
+        let expected = format!(
+            "a frequency from {least:.3e} to {most:.3e}, a thousandth of the band's lower end to a thousand times its upper one"
+        );
+        return Err(StudyError::Setting { field: "lambda", expected, found: lambda.to_string() });
     }
     Ok(())
 }

@@ -3,6 +3,7 @@
 use super::identify_outcome::Flag;
 use super::number_table::NumberTable;
 use super::profile_file::{ProfileFile, hint, is_profile, profile_of};
+use super::road_profile_ends::with_content;
 use super::spectrum_file::spectrum_of;
 use super::spectrum_smooth::smooth;
 use super::{Input, RoadFitSpec, StudyError, load_road, read_result};
@@ -12,10 +13,6 @@ use crate::road::{CoherenceSpec, FilterOutput, FilterVariable, detrended, spectr
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
-/// A fall of the slope's density by more than this from one third of an octave to the next is the end of a profile's content.
-const EMPTY: f64 = 30.0;
-/// Bands that are kept in any case.
-const LEAST_BANDS: usize = 4;
 /// Samples that are taken of a road.
 const ROAD_SAMPLES: usize = 100;
 /// Segments of a profile's spectrum are this share of it, where their length is not given: the fit wants averages more than long waves.
@@ -166,13 +163,6 @@ fn of_road(name: &str, spec: &RoadFitSpec) -> Result<FitSamples, StudyError> {
     })
 }
 
-/// How many bands there are before the slope's density falls off a cliff: a profile that was smoothed or made from a road with
-/// an end has leakage alone beyond.
-fn with_content(nu: &[f64], s: &[f64]) -> usize {
-    let slope = |k: usize| s[k] * nu[k] * nu[k];
-    (1..s.len()).find(|k| *k >= LEAST_BANDS && slope(*k) * EMPTY < slope(k - 1)).unwrap_or(s.len())
-}
-
 /// Welch's spectrum of a profile in bands of a third of an octave.
 fn of_profile(profile: ProfileFile, spec: &RoadFitSpec) -> Result<FitSamples, StudyError> {
     stray(spec.convention.is_some(), "convention", "none, which belongs to spectra")?;
@@ -224,15 +214,9 @@ fn of_profile(profile: ProfileFile, spec: &RoadFitSpec) -> Result<FitSamples, St
         ),
     );
     let high = if uneven { std::f64::consts::TAU / (4.0 * most) } else { f64::INFINITY };
-    let full = with_content(&found.nu_rad_per_m, &found.s);
-    if full < found.s.len() {
-        let text = format!(
-            "above {:.3} rad/m the profile has nothing but leakage (its slope's density falls by more than a factor {EMPTY:.0} from one band to the next): left out",
-            found.nu_rad_per_m[full - 1]
-        );
-        note("empty-above", text);
-    }
-    let kept: Vec<usize> = (0..full).filter(|k| found.nu_rad_per_m[*k] <= high).collect();
+    let (full, ends) = with_content(&found);
+    notes.extend(ends);
+    let kept: Vec<usize> = full.filter(|k| found.nu_rad_per_m[*k] <= high).collect();
     Ok(FitSamples {
         kind: FitSource::Profile,
         variable: FilterVariable::Distance,

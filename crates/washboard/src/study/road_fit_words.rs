@@ -11,6 +11,8 @@ use crate::road::FilterOutput;
 const SHARP: f64 = 100.0;
 /// Densities of fewer averages than this are called raw.
 const RAW: f64 = 4.0;
+/// Of fewer than this they are those of one periodogram, and smoothing helps: of 3 averages it makes the level .94 of the true.
+const PERIODOGRAM: f64 = 1.5;
 /// Averages after which the logarithm is as good as the density: 0.1 in its mean.
 const LEAST_AVERAGES: usize = 5;
 /// Poles far beyond the band are told where their part of the filter has more than this share of its variance.
@@ -43,10 +45,15 @@ pub(super) fn notes(
         );
     }
     if let Some(k) = averages.filter(|k| o.source == FitSource::Spectrum && *k < RAW) {
+        let smooth = if k < PERIODOGRAM {
+            "; or --smooth 3 averages them in thirds of an octave first, which takes coherence from channels with a delay between them"
+        } else {
+            ""
+        };
         note(
             "raw",
             format!(
-                "neighbouring densities scatter as those of {k:.1} averages do: the logarithm of such densities is low, and an order is hard to tell. --smooth 3 averages them in thirds of an octave first, or give the mean of {LEAST_AVERAGES} spectra or more"
+                "neighbouring densities scatter as those of {k:.1} averages do: the logarithm of such densities is low, and an order is hard to tell. Give the mean of {LEAST_AVERAGES} spectra or more{smooth}"
             ),
         );
     }

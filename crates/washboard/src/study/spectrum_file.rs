@@ -45,6 +45,10 @@ pub(super) fn spectrum_of(table: NumberTable, spec: &RoadFitSpec) -> Result<FitS
     let entries = entries(&table)?;
     let mut known: Vec<String> = vec![(*axis).to_owned(), "weight".to_owned(), "psd".to_owned()];
     known.extend(entries.names.iter().cloned());
+    if table.names.iter().any(|n| is_part_of_own(n) && !known.contains(n)) {
+        let expected = "a channel's own density as one real column, psd_11, psd_22 …, without _re and _im";
+        return Err(table.header_error(expected));
+    }
     table.only(&known.iter().map(String::as_str).collect::<Vec<_>>())?;
     let rows = table.lines.len();
     let mut s = Vec::with_capacity(rows);
@@ -108,6 +112,11 @@ pub(super) fn spectrum_of(table: NumberTable, spec: &RoadFitSpec) -> Result<FitS
         notes: Vec::new(),
         inputs: vec![table.input],
     })
+}
+
+/// `psd_ii_re` and `psd_ii_im`.
+fn is_part_of_own(name: &str) -> bool {
+    (1..=9).any(|i| name == format!("psd_{i}{i}_im") || name == format!("psd_{i}{i}_re"))
 }
 
 /// Where the entries of the matrices are.

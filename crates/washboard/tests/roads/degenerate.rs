@@ -3,6 +3,7 @@
 use super::folder::{Folder, fit, grid, source};
 use std::fmt::Write;
 use std::path::PathBuf;
+use washboard::linalg::C64;
 use washboard::study::{
     FitWeight, InterpolateSpec, RoadAnalyticSpec, RoadFitSpec, StudyError, interpolate_file, road_analytic,
 };
@@ -145,6 +146,13 @@ fn interpolation_answers_what_is_wrong_and_what_is_trivial() {
         (nodes(any, ", \"bound\": 1e300"), "bound: expected at most 1e8 times the least, 2.97"),
         (nodes(any, ", \"bound\": [1]"), "d.json:4: bound"),
         (nodes(any, "").replace("[3, 0]", "3"), "d.json:3: nodes[1].z: expected [re, im] or \"infinity\""),
+        (off("[0, 2]"), "measured value 1: 0 + 2i is 1e0 off the unit circle"),
+        (
+            off("[0.001, 2]")
+                .replace("\"disk\"", "\"half-plane\", \"lambda\": 1")
+                .replace("[1, 0], \"v", "[0, 1], \"v"),
+            "measured value 1: 0.001 + 2i is 1e-3 off the imaginary axis",
+        ),
         (off("[0, 0.999999]"), "measured value 1: 0 + 0.999999i is"),
     ] {
         refused(&run(&text).unwrap_err(), part);
@@ -158,7 +166,7 @@ fn interpolation_answers_what_is_wrong_and_what_is_trivial() {
         {
             let found = run(&format!("\u{feff}{text}")).unwrap();
             assert_eq!(
-                (found.order, found.d[0][0] == size || found.max_error < 1e-14),
+                (found.order, found.d[0][0] == size || found.max_error.unwrap() < 1e-14),
                 (0, true),
                 "{size:e}"
             );
@@ -168,4 +176,30 @@ fn interpolation_answers_what_is_wrong_and_what_is_trivial() {
             );
         }
     }
+}
+
+/// A fit of measurements alone has no error at constraints, and tells its residual: that of its own A, B, C, D.
+#[test]
+fn a_fit_of_measurements_tells_its_residual() {
+    let folder = Folder::new("measured");
+    let run = |noise: f64| {
+        let row = |k: usize| {
+            let z = C64::from_polar(1.0, 0.25 * k as f64);
+            let g = (z - 0.5).inv() + noise * (1.7 * k as f64).sin();
+            (z, g, format!("{{\"z\": [{}, {}], \"value\": [[[{}, {}]]]}}", z.re, z.im, g.re, g.im))
+        };
+        let rows: Vec<_> = (1..=12).map(row).collect();
+        let listed: Vec<&str> = rows.iter().map(|r| r.2.as_str()).collect();
+        let text = format!("{{\"domain\": \"disk\", \"order\": 1, \"measured\": [{}]}}", listed.join(", "));
+        let spec = InterpolateSpec { data: PathBuf::from(folder.file("m.json", &text)) };
+        let found = interpolate_file(&spec).unwrap().0;
+        let (a, b, c, d) = (found.a[0][0], found.b[0][0], found.c[0][0], found.d[0][0]);
+        let off: f64 = rows.iter().map(|(z, g, _)| ((z - a).inv() * (b * c) + d - g).norm_sqr()).sum();
+        let size: f64 = rows.iter().map(|r| r.1.norm_sqr()).sum();
+        (found.max_error, found.measured_rms_error.unwrap(), (off / size).sqrt())
+    };
+    let (error, exact, _) = run(0.0);
+    assert!(error.is_none() && exact < 1e-12, "{exact:e}");
+    let (_, noisy, own) = run(0.1);
+    assert!(noisy > 0.01 && (noisy / own - 1.0).abs() < 1e-9, "{noisy} {own}");
 }

@@ -28,6 +28,10 @@ fn wrong_files_are_answered_with_their_line() {
         ("nu_rad_per_m,psd,psd_11\n0.1,1,1\n".into(), vec!["either a column psd, or psd_11"]),
         ("nu_rad_per_m,psd_11,psd_22\n0.1,1,1\n".into(), vec!["columns psd_12_re and psd_12_im of a 2 × 2"]),
         (
+            "omega_rad_s,psd_11,psd_11_im,psd_22,psd_12_re,psd_12_im\n1,1,0,1,0.1,0.2\n".into(),
+            vec![":1: expected a channel's own density as one real column", "found omega_rad_s, psd_11, psd_11_im"],
+        ),
+        (
             "omega_rad_s,psd_11,psd_22,psd_12_re,psd_12_im,psd_21_re,psd_21_im\n1,1,1,0.1,0.2,0.1,-0.2\n2,1,1,0.1,0.2,0.1,0.2\n".into(),
             vec![":3: psd_21: expected the conjugate of psd_12", "not Hermitian"],
         ),
@@ -56,6 +60,10 @@ fn wrong_files_are_answered_with_their_line() {
         (
             RoadFitSpec { lambda_rad: Some(-1.0), ..source(file.clone()) },
             "lambda: expected a positive number",
+        ),
+        (
+            RoadFitSpec { lambda_rad: Some(1e300), ..source(file.clone()) },
+            "lambda: expected a frequency from 1.000e-4 to 1.600e3",
         ),
         (RoadFitSpec { band_rad: Some([2.0, 1.0]), ..source(file.clone()) }, "band: expected two ascending"),
         (

@@ -114,6 +114,11 @@ fn table(o: &RoadFitOutcome) -> String {
     }
     row("band", format!("{} to {} {}, {} samples", number(o.band[0]), number(o.band[1]), o.unit, o.samples));
     row("log10 error", format!("{} rms, {} at most", number(o.log10_rms_error), number(o.log10_max_error)));
+    if let Some(c) = &o.cross {
+        let ([i, j], at) = (c.phase_pair, number(c.phase_at_rad));
+        let phase = format!("phase off by {:.0}° at most (psd_{i}{j}, {at} {})", c.phase_deg, o.unit);
+        row("cross-spectra", format!("{} rms of coherent pairs, {phase}", number(c.rms)));
+    }
     row("weight", o.weight.clone());
     row("lambda, p", format!("{} {}, {}", number(o.lambda), o.unit, o.p));
     let mut text = table.text();

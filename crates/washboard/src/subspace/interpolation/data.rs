@@ -5,7 +5,7 @@ use super::agreement::agree;
 use crate::linalg::{C64, CMat};
 
 /// A node may lie this far inside the region of poles: rounding of points of the circle or of the axis.
-const ON_BOUNDARY: f64 = 1e-12;
+pub(super) const ON_BOUNDARY: f64 = 1e-12;
 /// Values given twice agree to this share of their largest entry, or they contradict each other.
 pub(super) const SAME: f64 = 1e-9;
 

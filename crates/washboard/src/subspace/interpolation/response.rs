@@ -3,7 +3,7 @@
 use super::super::SubspaceError;
 use super::basis::Kind;
 use super::conditions::conditions;
-use super::data::{Domain, InterpolationData, Node, Point, check_domain, check_nodes};
+use super::data::{Domain, InterpolationData, Node, ON_BOUNDARY, Point, check_domain, check_nodes};
 use super::interpolate::Interpolant;
 use super::plane::Mobius;
 use super::projection::{Range, columns};
@@ -91,10 +91,28 @@ fn check_measured(
             let why = format!("{:e}, expected a finite number above 0", x.variance);
             return Err(SubspaceError::Sample { what: "variance", index, why });
         }
+        check_edge(domain, index, x.z)?;
         // noise is no contradiction, and makes a real node's value complex
         let off_axis = |z: C64| if z.im == 0.0 { C64::new(z.re, f64::MIN_POSITIVE) } else { z };
         let alone = Node::full(off_axis(x.z), node.values.clone());
         check_nodes(domain, &[alone], size).map_err(|e| numbered(e, index))?;
+    }
+    Ok(())
+}
+
+/// Refuses a point outside of the region of poles that is not on its edge: measurements are of frequencies. Those inside have words of
+/// their own.
+fn check_edge(domain: Domain, index: usize, z: C64) -> Result<(), SubspaceError> {
+    let (off, limit, edge) = match domain {
+        Domain::Disk => (z.norm() - 1.0, ON_BOUNDARY, "the unit circle"),
+        Domain::HalfPlane { .. } => (z.re, ON_BOUNDARY * z.norm(), "the imaginary axis"),
+    };
+    if off > limit {
+        let why = format!(
+            "{} + {}i is {off:e} off {edge}, expected a point on it (to 1e-12: give all digits); values elsewhere are nodes or constraints",
+            z.re, z.im
+        );
+        return Err(SubspaceError::Sample { what: "measured value", index, why });
     }
     Ok(())
 }
