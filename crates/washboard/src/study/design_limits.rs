@@ -73,8 +73,9 @@ pub(super) fn within<T>(
             search.work.get().tries,
             problem.plant.order()
         );
+        let coarse = if outcome.feasible_bound.is_empty() { "" } else { "; smaller bounds may be possible" };
         match &mut outcome.why {
-            Some(why) if kept.is_none() => *why += &format!(". {text}"),
+            Some(why) if kept.is_none() => *why += &format!(". {text}{coarse}"),
             _ => outcome.notes.push(Flag { name: "tries".into(), text }),
         }
     }
