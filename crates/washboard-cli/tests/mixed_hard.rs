@@ -310,6 +310,26 @@ fn miswritten_fields_are_named() {
             goal("minimize = { body = 1 }\ngroups = { body = [\"tire_deflection\", \"tire_deflection\"] }"),
             "goal.groups: expected each output once, found `tire_deflection` twice in `body`",
         ),
+        (
+            goal("minimize = { body = 1 }\ngroups = { body = [] }"),
+            "goal.groups: expected outputs in each group, found none in `body`",
+        ),
+        (
+            goal("minimize = { body = 1 }\ngroups = { body = [\"tyres\"], tyres = [\"tire_deflection\"] }"),
+            "goal.groups: expected outputs of the vehicle in each group, and no other group, found `tyres` in `body`",
+        ),
+        (
+            robust("[range]\nsprung_mass_kg = [200, 300]\n[[plant]]\nsprung_mass_kg = 240\n"),
+            "found `sprung_mass_kg` in [[plant]] number 1, and `sprung_mass_kg` in [range]",
+        ),
+        (
+            mixed("", "").replace("\"sprung_acceleration\"]", "\"actuator_force\"]"),
+            "measurements: expected outputs of the vehicle that are not the controller's own, found `actuator_force`",
+        ),
+        (
+            mixed("", "[override]\nsuspension_damping_n_s_per_m = 0\ntire_damping_n_s_per_m = 0\n"),
+            "vehicle: expected a passive vehicle that is damped: goals are over its norms, found suspension_damping_n_s_per_m = 0, ",
+        ),
     ] {
         let (status, out, err) = folder.design(&text);
         assert!(status == 2 && out.is_null(), "{words}: {status} {err}");
@@ -325,4 +345,78 @@ fn miswritten_fields_are_named() {
     // an order that the controller has or exceeds is left out, and said
     let above = folder.designed(&mixed("truncate_to = [9]\n", ""));
     assert!(text_of(&above["notes"], "not-truncated").contains("truncate_to"), "{}", above["notes"]);
+}
+
+/// A gain from the states of a road's height measures displacements: on a road whose height wanders without bound so do its forces,
+/// and no mode or rounding is at fault. Where the height is bounded the same is designed.
+#[test]
+fn states_that_follow_an_unbounded_road_are_refused_by_the_disturbance() {
+    let folder = Folder::new("height");
+    let text = |road: &str, top: &str| {
+        format!(
+            "{}{ROBUST}disturbance = \"road-displacement\"\n{top}[goal]\nminimize = {{ sprung_acceleration = 1, suspension_travel = 1 }}\n",
+            QUARTER.replace("turkay-white-velocity", road)
+        )
+    };
+    for top in ["input_weight = 1e-4\n", "poles = { max_real_rad_s = -0.2, max_abs_rad_s = 1000 }\n"] {
+        let (status, none, err) = folder.design(&text("turkay-white-velocity", top));
+        assert!(status == 2 && none.is_null(), "{status} {err}");
+        assert!(
+            err.contains(
+                "disturbance: expected road-velocity, or road-displacement on a road of kind first-order"
+            ),
+            "{err}"
+        );
+        assert!(err.contains("sprung_displacement`") && err.contains("its height has no bound"), "{err}");
+    }
+    let made = folder.designed(&text("turkay-first-order", "input_weight = 1e-4\n"));
+    assert!(number(&made, &["verified", "rms", "suspension_travel"]) > 0.0);
+    // the same of measurements that are stated
+    let mixed = format!("{QUARTER}{MIXED}disturbance = \"road-displacement\"\n{GOAL}")
+        .replace("\"sprung_acceleration\"]", "\"sprung_displacement\"]");
+    let (status, _, err) = folder.design(&mixed);
+    assert!(status == 2 && err.contains("measurements: expected outputs with a finite variance"), "{err}");
+}
+
+/// Of a bare name and a specific one the specific one has its number, in whatever order they stand, in `override` and in `range`:
+/// what is said of a corner is what was examined.
+#[test]
+fn a_specific_field_has_its_own_value_beside_a_bare_one() {
+    let folder = Folder::new("specific");
+    let text = |more: &str| {
+        let top = format!("{}{ROBUST}input_weight = 1e-6\n", QUARTER.replace("quarter", "half"));
+        format!("{top}[goal]\nminimize = {{ heave_acceleration = 1, tire_deflection = 0.5 }}\n{more}")
+    };
+    let passive = |of: &Value| number(of, &["passive", "h2", "tire_deflection"]);
+    let apart = |front: f64, rear: f64| {
+        let both =
+            format!("\"front.tire_damping_n_s_per_m\" = {front}\n\"rear.tire_damping_n_s_per_m\" = {rear}\n");
+        passive(&folder.designed(&text(&format!("[override]\n{both}"))))
+    };
+    let (bare, front) = ("tire_damping_n_s_per_m", "\"front.tire_damping_n_s_per_m\"");
+    let expected = apart(1000.0, 50.0);
+    assert!((apart(50.0, 50.0) / expected - 1.0).abs() > 1e-3, "the case can tell them apart");
+    for fields in [format!("{bare} = 50\n{front} = 1000\n"), format!("{front} = 1000\n{bare} = 50\n")] {
+        let made = folder.designed(&text(&format!("[override]\n{fields}")));
+        assert!((passive(&made) / expected - 1.0).abs() < 1e-9, "{fields}");
+    }
+    let both = [format!("{bare} = [50, 60]\n"), format!("{front} = [900, 1000]\n")];
+    for fields in [both.concat(), format!("{}{}", both[1], both[0])] {
+        let made = folder.designed(&text(&format!("[range]\n{fields}")));
+        let vertices = made["vertices"].as_array().unwrap();
+        let at = |v: &Value, name: &str| v["at"][name].as_f64().unwrap();
+        let corner =
+            vertices.iter().find(|v| at(v, "front.tire_damping_n_s_per_m") == 1000.0 && at(v, bare) == 50.0);
+        assert!((passive(corner.unwrap()) / expected - 1.0).abs() < 1e-9, "{fields}");
+    }
+}
+
+/// A group that nothing weighs or bounds is said.
+#[test]
+fn a_group_that_is_no_part_of_the_goal_is_noted() {
+    let folder = Folder::new("group");
+    let made = folder.designed(&format!(
+        "{QUARTER}{ROBUST}{GOAL}groups = {{ both = [\"suspension_travel\", \"tire_deflection\"] }}\n"
+    ));
+    assert!(text_of(&made["notes"], "unused-group").ends_with(": both"), "{}", made["notes"]);
 }

@@ -6,12 +6,12 @@ use super::design_outcome::{ControllerFile, DesignOutcome, DesignStatus, Gains, 
 use super::design_problem::{GoalBlock, Norm, Problem};
 use super::{DesignMethod, DesignSpec, Flag, Input, Named, StudyError};
 use super::{
-    design_advice, design_interpolation, design_mixed, design_robust, design_truncated, design_warnings,
-    design_words,
+    design_advice, design_interpolation, design_mixed, design_robust, design_states, design_truncated,
+    design_warnings, design_words,
 };
 use crate::lti::{Continuous, StateSpace};
 use crate::synthesis::SynthesisError;
-use crate::vehicle::Output;
+use crate::vehicle::{Output, RideError};
 
 /// Designs a controller.
 ///
@@ -24,6 +24,9 @@ pub fn design(spec: &DesignSpec) -> Result<(DesignOutcome, Vec<Input>), StudyErr
     let problem = Problem::new(spec, norm)?;
     if spec.method == DesignMethod::Interpolation {
         design_interpolation::check(&problem)?;
+    }
+    if spec.method.is_by_inequalities() {
+        design_states::check_bounded(&problem)?;
     }
     let robust = match spec.method {
         DesignMethod::RobustStateFeedback => Some(design_robust::Family::new(&problem)?),
@@ -52,7 +55,14 @@ pub fn design(spec: &DesignSpec) -> Result<(DesignOutcome, Vec<Input>), StudyErr
         passive: problem.measure(None)?,
         objective: Named::default(),
         warnings: Vec::new(),
-        notes: problem.ground.notes.iter().cloned().chain(design_words::expanded(&problem)).collect(),
+        notes: problem
+            .ground
+            .notes
+            .iter()
+            .cloned()
+            .chain(design_words::expanded(&problem))
+            .chain(design_words::unused(&problem))
+            .collect(),
         units: problem.units(),
         gains: Gains::default(),
         forces: Named::default(),
@@ -130,7 +140,9 @@ fn finish(
     outcome: &mut DesignOutcome,
 ) -> Result<(), StudyError> {
     let measured = match problem.measure(Some(k)) {
-        Err(StudyError::Ride { .. }) if problem.spec.method.is_by_inequalities() => {
+        Err(StudyError::Ride { source, .. })
+            if problem.spec.method.is_by_inequalities() && !matches!(source, RideError::Control(_)) =>
+        {
             design_advice::hidden(problem, outcome);
             return Ok(());
         }

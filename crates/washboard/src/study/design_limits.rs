@@ -4,13 +4,15 @@ use super::design_advice::{infeasible, stalled, unconfirmed};
 use super::design_gains::{fast_controller, lighter};
 use super::design_outcome::{DesignOutcome, DesignStatus};
 use super::design_problem::Problem;
-use super::design_search::{Around, Attempt, Ended, Failure, How, Kept, Search, Try, slowest};
+use super::design_search::{Around, Attempt, Ended, Failure, How, Kept, Search, Try, Work, slowest};
 use super::design_words::short;
 use super::{Flag, design_advice};
 use crate::synthesis::{PoleRegion, SynthesisError};
+use std::cell::Cell;
 
 /// Shares of the objective that are given up, one after another.
 const BACK_OFFS: [f64; 4] = [1e-2, 5e-2, 0.2, 0.5];
+
 impl<T> Kept<T> {
     /// Its numbers among the claims.
     pub fn claim(&self, outcome: &mut DesignOutcome) {
@@ -61,7 +63,34 @@ pub(super) fn within<T>(
         nearest: None,
         failed: None,
         resting: None,
+        work: Cell::new(Work::of(problem)),
     };
+    let kept = tried(&mut search, asked, arounds, &margins, outcome)?;
+    if search.is_spent() {
+        let text = format!(
+            "The search ended after {} tries, as many as a plant of {} states gets: fewer norms at once, lyapunov_scale = \"fixed\" or a \
+             smaller delay_order make each cheaper",
+            search.work.get().tries,
+            problem.plant.order()
+        );
+        let coarse = if outcome.feasible_bound.is_empty() { "" } else { "; smaller bounds may be possible" };
+        match &mut outcome.why {
+            Some(why) if kept.is_none() => *why += &format!(". {text}{coarse}"),
+            _ => outcome.notes.push(Flag { name: "tries".into(), text }),
+        }
+    }
+    Ok(kept)
+}
+
+/// One try after another.
+fn tried<T, S: Fn(Try) -> Result<Attempt<T>, SynthesisError>>(
+    search: &mut Search<'_, T, S>,
+    asked: f64,
+    mut arounds: Vec<Around>,
+    margins: &[Around],
+    outcome: &mut DesignOutcome,
+) -> Result<Option<Kept<T>>, SynthesisError> {
+    let problem = search.problem;
     for back_off in std::iter::once(asked).chain(BACK_OFFS.iter().copied().filter(|b| *b > asked)) {
         // nearer to the middle equations are better conditioned; a solver that stalls does so there too
         let better = matches!(search.failed, Some(Failure::Error(_) | Failure::AtRest(_)));
@@ -77,7 +106,7 @@ pub(super) fn within<T>(
                 // what is added may be too much; what is asked may not
                 Ended::Infeasible(times) if first => {
                     // what is possible may need a margin too
-                    arounds.extend(&margins);
+                    arounds.extend(margins);
                     let least = search.smallest(times, &arounds, asked);
                     infeasible(problem, least, true, outcome);
                     return Ok(None);
@@ -85,7 +114,7 @@ pub(super) fn within<T>(
                 _ => {}
             }
             if search.failed.is_some() && arounds.iter().all(|a| a.margin.is_none()) {
-                arounds.extend(&margins);
+                arounds.extend(margins);
             }
         }
     }
@@ -108,7 +137,7 @@ pub(super) fn within<T>(
             return Ok(None);
         }
     }
-    match search.failed {
+    match search.failed.take() {
         Some(Failure::Error(e)) => return Err(e),
         Some(Failure::AtRest(pole)) => unconfirmed(problem, pole, outcome),
         Some(Failure::Stalled(measures)) => stalled(problem, &measures, outcome),

@@ -207,6 +207,9 @@ impl DesignSpec {
             return Err(setting("plant", "fields of the vehicle and their values", found));
         }
         for (name, members) in g.groups.iter() {
+            if members.is_empty() {
+                return Err(setting("goal.groups", "outputs in each group", format!("none in `{name}`")));
+            }
             if let Some(output) = twice(members) {
                 return Err(setting(
                     "goal.groups",

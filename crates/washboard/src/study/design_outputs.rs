@@ -1,8 +1,10 @@
 //! Names of outputs as a design file has them: which outputs they mean, and which can be designed for.
 
+use super::design_words::short;
 use super::{DesignDisturbance, DesignSpec, StudyError};
+use crate::linalg::{C64, eigen};
 use crate::lti::GeneralizedPlant;
-use crate::vehicle::{Output, Vehicle};
+use crate::vehicle::{Output, Vehicle, VehicleSpec};
 
 /// What a suspension engineer looks at; displacements follow the road and say little.
 pub(super) fn shown(output: &Output) -> bool {
@@ -59,6 +61,32 @@ pub(super) fn once(vehicle: &Vehicle, names: &[String]) -> Result<(), StudyError
         }
     }
     Ok(())
+}
+
+/// Refuses a controller that would measure what it gives itself.
+pub(super) fn no_own_output(measurements: &[Output]) -> Result<(), StudyError> {
+    let own = measurements.iter().find(|o| o.base == "actuator_force");
+    own.map_or(Ok(()), |o| {
+        Err(StudyError::Setting {
+            field: "measurements",
+            expected: "outputs of the vehicle that are not the controller's own".into(),
+            found: format!("`{}`, the force that the controller itself gives", o.name),
+        })
+    })
+}
+
+/// Refuses a passive vehicle with a mode that swings on: its norms, over which goals are, are infinite.
+pub(super) fn damped(vehicle: &Vehicle, file: &VehicleSpec) -> Result<(), StudyError> {
+    const UNDAMPED: f64 = 1e-10;
+    let poles =
+        vehicle.system().state_matrix().ok().and_then(|a| Some(eigen(&a).ok()?.0)).unwrap_or_default();
+    let largest = poles.iter().map(|p| p.norm()).fold(0.0, f64::max);
+    let swings = |p: &&C64| p.re.abs() <= UNDAMPED * largest && p.im > UNDAMPED.sqrt() * largest;
+    let Some(pole) = poles.iter().find(swings) else { return Ok(()) };
+    let zeros: Vec<String> = file.undamped().iter().map(|f| format!("{f} = 0, ")).collect();
+    let found = format!("{}with a mode at {} rad/s that does not decay", zeros.concat(), short(pole.im));
+    let expected = "a passive vehicle that is damped: goals are over its norms".into();
+    Err(StudyError::Setting { field: "vehicle", expected, found })
 }
 
 /// Refuses a goal with outputs that follow a road height without bound.

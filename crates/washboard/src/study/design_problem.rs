@@ -2,7 +2,7 @@
 
 pub(super) use super::design_measure::Norm;
 use super::design_measure::floor;
-use super::design_outputs::{finite, once, outputs, settles, settling, shown};
+use super::design_outputs::{damped, finite, no_own_output, once, outputs, settles, settling, shown};
 use super::design_states::states;
 use super::ground::{Ground, ground};
 use super::{DesignMethod, DesignSpec, Named, StudyError, load_vehicle};
@@ -72,16 +72,15 @@ impl Problem {
         }
         let of_file = |source| StudyError::Vehicle { name: spec.vehicle.clone(), source };
         let build = |more: &Named<f64>| -> Result<Vehicle, StudyError> {
-            let all: Vec<(String, f64)> =
-                spec.r#override.iter().chain(more.iter()).map(|(n, v)| (n.to_owned(), *v)).collect();
-            if all.is_empty() {
+            if spec.r#override.is_empty() && more.is_empty() {
                 return Ok(standing.clone());
             }
-            let changed = loaded.spec.with_overrides(&all).map_err(of_file)?;
+            // one after the other: a bare name of the second replaces a specific one of the first
+            let own = loaded.spec.with_overrides(&fields(&spec.r#override));
+            let changed = own.and_then(|own| own.with_overrides(&fields(more))).map_err(of_file)?;
             ground.vehicle(&changed, loaded.chassis.as_ref()).map_err(of_file)
         };
-        let overrides: Vec<(String, f64)> = spec.r#override.iter().map(|(n, v)| (n.to_owned(), *v)).collect();
-        let file = loaded.spec.with_overrides(&overrides).map_err(of_file)?;
+        let file = loaded.spec.with_overrides(&fields(&spec.r#override)).map_err(of_file)?;
         let vehicle = build(&Named::default())?;
         let settings = PlantSettings {
             road: ground.excitation(),
@@ -94,6 +93,7 @@ impl Problem {
         let plant_error = |source| StudyError::Plant { name: spec.vehicle.clone(), source: Box::new(source) };
         let mut measurements = outputs(&vehicle, &spec.measurements, "measurements")?;
         once(&vehicle, &spec.measurements)?;
+        no_own_output(&measurements)?;
         if measurements.is_empty() && spec.method == DesignMethod::RobustStateFeedback {
             measurements = states(&vehicle, &settings).map_err(plant_error)?;
         }
@@ -115,16 +115,25 @@ impl Problem {
                 found: format!("`{name}`"),
             });
         }
+        if let Some((name, own)) = groups.iter().find_map(|(name, members)| {
+            members.iter().find(|m| groups.get(m).is_some()).map(|own| (name, own))
+        }) {
+            return Err(StudyError::Setting {
+                field: "goal.groups",
+                expected: "outputs of the vehicle in each group, and no other group".into(),
+                found: format!("`{own}` in `{name}`"),
+            });
+        }
         let members_of =
             |names: &[&str]| names.iter().flat_map(|n| spec.members_of(n)).collect::<Vec<String>>();
         let squared: Vec<&str> = weights.iter().chain(spec.goal.bound_h2.iter()).map(|(n, _)| n).collect();
         let bounded: Vec<&str> = peaks.iter().map(|p| p.name.as_str()).collect();
         let in_bounds: Vec<&str> = spec.goal.bound_h2.iter().map(|(n, _)| n).collect();
+        let in_groups: Vec<&str> = groups.iter().map(|(n, _)| n).collect();
+        outputs(&vehicle, &members_of(&in_groups), "goal.groups")?;
         outputs(&vehicle, &members_of(&in_bounds), "goal.bound_h2")?;
         let in_h2 = outputs(&vehicle, &members_of(&squared), "goal.minimize")?;
         let in_hinf = outputs(&vehicle, &members_of(&bounded), "goal.bound")?;
-        let in_groups: Vec<&str> = groups.iter().map(|(n, _)| n).collect();
-        outputs(&vehicle, &members_of(&in_groups), "goal.groups")?;
         let mut wanted = in_h2.clone();
         wanted.extend(in_hinf.into_iter().filter(|o| !in_h2.contains(o)));
         let names: Vec<String> = members_of(&squared.iter().chain(&bounded).copied().collect::<Vec<_>>());
@@ -141,6 +150,9 @@ impl Problem {
                     wandering.push(name);
                 }
             }
+        }
+        if !wandering.is_empty() {
+            damped(&vehicle, &file)?;
         }
         settling(spec, &wandering)?;
         let reported: Vec<Output> = vehicle
@@ -218,4 +230,9 @@ impl Problem {
             inputs,
         })
     }
+}
+
+/// Fields and their values as a vehicle file takes them.
+fn fields(named: &Named<f64>) -> Vec<(String, f64)> {
+    named.iter().map(|(n, v)| (n.to_owned(), *v)).collect()
 }

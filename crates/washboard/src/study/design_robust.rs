@@ -51,6 +51,7 @@ impl Family {
         } else {
             spec.plant.iter().map(|p| p.iter().map(|(n, v)| (n.to_owned(), *v)).collect()).collect()
         };
+        check_apart(problem)?;
         let (mut vertices, mut middles) = (Vec::new(), Vec::new());
         let corners = 1usize << ranges.len();
         for base in bases {
@@ -133,6 +134,24 @@ impl Vertex {
         }
         Ok(Vertex { problem: own, at, bare, plant })
     }
+}
+
+/// Refuses a field that a further plant states and the range replaces.
+fn check_apart(problem: &Problem) -> Result<(), StudyError> {
+    let spec = &problem.spec;
+    for (k, plant) in spec.plant.iter().enumerate() {
+        for (own, _) in plant.iter() {
+            if let Some((name, _)) = spec.range.iter().find(|(name, _)| problem.file.overlap(own, name)) {
+                return Err(StudyError::Setting {
+                    field: "plant",
+                    expected: "fields that are not in [range]: each plant has the corners of the range"
+                        .into(),
+                    found: format!("`{own}` in [[plant]] number {}, and `{name}` in [range]", k + 1),
+                });
+            }
+        }
+    }
+    Ok(())
 }
 
 /// Fields and values.

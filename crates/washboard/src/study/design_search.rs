@@ -1,5 +1,6 @@
 //! Tries at a controller, one region of poles, share of the goal and weight of the control after another.
 
+use super::DesignMethod;
 use super::design_gains::{fastest, largest_gain};
 use super::design_outcome::DesignOutcome;
 use super::design_problem::Problem;
@@ -8,6 +9,7 @@ use crate::linalg::C64;
 use crate::lti::{Continuous, StateSpace};
 use crate::optimize::Measures;
 use crate::synthesis::{PoleRegion, SynthesisError};
+use std::cell::Cell;
 
 /// A pole nearer to the axis than this share of the largest may be on it but for rounding: a loop's eigenvalues are known to
 /// about ε times a condition of 1e6.
@@ -20,6 +22,10 @@ const MARGIN: f64 = 0.1;
 /// The share of the objective that the search for the smallest bounds gives up where the stated one is not enough: one of those that a
 /// design of these bounds tries too.
 const GIVEN_UP: f64 = 5e-2;
+
+/// States from which on a program in double-double takes many seconds: so many tries go on in it.
+const LARGE: usize = 10;
+const PATIENT: usize = 2;
 
 /// What one try is asked.
 #[derive(Clone, Copy)]
@@ -79,6 +85,34 @@ pub(super) enum Failure {
     Stalled(Measures),
 }
 
+/// Tries are bounded by their number, not by a clock: the same on any machine.
+#[derive(Clone, Copy)]
+pub(super) struct Work {
+    pub left: usize,
+    pub tries: usize,
+    is_large: bool,
+}
+
+impl Work {
+    /// Of output feedback, whose programs grow with the square of the states: programs that take about half a minute, 16 a try where
+    /// each searches a scale. A gain's programs are small.
+    pub fn of(problem: &Problem) -> Self {
+        const MOST: f64 = 640.0;
+        const LEAST: f64 = 2.0;
+        const A_SEARCH: f64 = 16.0;
+        const AT_TWELVE: f64 = 130.0;
+        let order = problem.plant.order();
+        if problem.spec.method != DesignMethod::MixedH2Hinf {
+            return Work { left: MOST as usize, tries: 0, is_large: false };
+        }
+        let both = !(problem.peaks.is_empty() || problem.goals.is_empty() && problem.bounded.is_empty());
+        let each = if both && problem.spec.lyapunov_scale.is_searched() { A_SEARCH } else { 1.0 };
+        let programs = (AT_TWELVE * (12.0 / order.max(1) as f64).powi(5)).min(MOST);
+        let left = (programs / each).max(LEAST) as usize;
+        Work { left, tries: 0, is_large: order >= LARGE }
+    }
+}
+
 /// Tries, and what they left.
 pub(super) struct Search<'a, T, S> {
     pub problem: &'a Problem,
@@ -89,6 +123,8 @@ pub(super) struct Search<'a, T, S> {
     pub failed: Option<Failure>,
     /// The first with a pole at rest.
     pub resting: Option<Kept<T>>,
+    /// What was done, and what is left.
+    pub work: Cell<Work>,
 }
 
 pub(super) enum Ended<T> {
@@ -104,6 +140,21 @@ impl<T, S: Fn(Try) -> Result<Attempt<T>, SynthesisError>> Search<'_, T, S> {
         poles.iter().copied().find(|p| -p.re < (AT_REST * largest).min(SLOW * self.slowest))
     }
 
+    /// Counts one try; none where no work is left for it, else whether it may go on in double-double.
+    fn next_try(&self) -> Option<bool> {
+        let work = self.work.get();
+        if work.left == 0 {
+            return None;
+        }
+        self.work.set(Work { left: work.left - 1, tries: work.tries + 1, ..work });
+        Some(!work.is_large || work.tries < PATIENT)
+    }
+
+    /// Whether the search ended for want of tries.
+    pub fn is_spent(&self) -> bool {
+        self.work.get().left == 0
+    }
+
     pub fn is_limited(&self) -> bool {
         let goal = &self.problem.spec.goal;
         goal.max_pole_rad_s.is_some() || goal.max_gain.is_some()
@@ -115,8 +166,8 @@ impl<T, S: Fn(Try) -> Result<Attempt<T>, SynthesisError>> Search<'_, T, S> {
         back_off: f64,
         added_weight: f64,
     ) -> Result<Ended<T>, SynthesisError> {
-        let tried =
-            (self.solve)(Try { times: 1.0, back_off, region: around.region, added_weight, patient: true });
+        let Some(patient) = self.next_try() else { return Ok(Ended::Missed) };
+        let tried = (self.solve)(Try { times: 1.0, back_off, region: around.region, added_weight, patient });
         let (controller, of, poles) = match tried {
             Ok(Attempt::Found(made)) => (made.controller, made.of, made.poles),
             Ok(Attempt::Infeasible(times)) => return Ok(Ended::Infeasible(times)),
@@ -204,10 +255,16 @@ impl<T, S: Fn(Try) -> Result<Attempt<T>, SynthesisError>> Search<'_, T, S> {
     /// The smallest factor on all bounds with which there is a controller.
     pub fn smallest(&self, least: Option<f64>, arounds: &[Around], asked: f64) -> Option<f64> {
         let tightest = self.problem.bounds().map(|(_, b)| b).reduce(f64::min)?;
+        if !self.work.get().is_large {
+            self.work.set(Work::of(self.problem));
+        }
         let met = |times: f64| {
             // what was added last is what it took before, and where rounding decides a larger share may be given up
             arounds.iter().rev().any(|around| {
                 [asked, asked.max(GIVEN_UP)].into_iter().any(|back_off| {
+                    if self.next_try().is_none() {
+                        return false;
+                    }
                     let asked =
                         Try { times, back_off, region: around.region, added_weight: 0.0, patient: false };
                     match (self.solve)(asked) {

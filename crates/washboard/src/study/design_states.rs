@@ -1,10 +1,10 @@
 //! A vehicle's state as outputs that can be measured: what a state feedback is a gain of.
 
-use super::StudyError;
 use super::design_problem::Problem;
+use super::{DesignDisturbance, DesignMethod, StudyError};
 use crate::linalg::{Mat, rank, solve};
 use crate::lti::{GeneralizedPlant, LtiError, StateSpace};
-use crate::vehicle::{Output, PlantError, PlantSettings, Vehicle};
+use crate::vehicle::{Output, PlantError, PlantSettings, Ride, Vehicle};
 
 /// Rows that are nearer to being dependent than this, relative, say nothing new.
 const DEPENDENT: f64 = 1e-9;
@@ -59,6 +59,43 @@ fn independent(plant: &GeneralizedPlant) -> Vec<usize> {
         }
     }
     kept
+}
+
+/// Refuses measurements that follow a road height without bound: in a loop with them so does every force.
+///
+/// # Errors
+/// [`StudyError::Setting`] of `disturbance` where the states of a gain are such, else of `measurements`.
+pub(super) fn check_bounded(problem: &Problem) -> Result<(), StudyError> {
+    let spec = &problem.spec;
+    // of a vehicle that only its controller damps the loop says it
+    let Ok(ride) = Ride::new(&problem.vehicle, problem.ground.excitation(), spec.speed_m_s) else {
+        return Ok(());
+    };
+    let all: Vec<&Output> = problem.measurements.iter().collect();
+    let why =
+        ride.infinite(&all).map_err(|source| StudyError::Ride { name: spec.vehicle.clone(), source })?;
+    let wandering: Vec<String> =
+        all.iter().zip(why).filter(|(_, why)| why.is_some()).map(|(o, _)| format!("`{}`", o.name)).collect();
+    if wandering.is_empty() {
+        return Ok(());
+    }
+    let names = wandering.join(", ");
+    let why = "whose variance on this road is infinite: its height has no bound, and in a loop with them neither have forces and travels";
+    let by_height = spec.method == DesignMethod::RobustStateFeedback
+        && spec.disturbance == DesignDisturbance::RoadDisplacement;
+    Err(if by_height {
+        StudyError::Setting {
+            field: "disturbance",
+            expected: "road-velocity, or road-displacement on a road of kind first-order".into(),
+            found: format!("road-displacement, with which the states are measured by {names}, {why}"),
+        }
+    } else {
+        StudyError::Setting {
+            field: "measurements",
+            expected: "outputs with a finite variance, or a road of kind first-order".into(),
+            found: format!("{names}, {why}"),
+        }
+    })
 }
 
 /// A problem's plant with its measurements as states: ẋ = A x + …, y = x.

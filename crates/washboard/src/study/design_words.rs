@@ -144,6 +144,28 @@ pub(super) fn expanded(problem: &Problem) -> Vec<Flag> {
     if all.is_empty() { Vec::new() } else { vec![Flag { name: "stacked".into(), text }] }
 }
 
+/// A note of groups that are no part of the goal.
+pub(super) fn unused(problem: &Problem) -> Option<Flag> {
+    let parts = problem.goals.iter().chain(&problem.bounded).chain(problem.peaks.iter().map(|p| &p.block));
+    let used: Vec<&str> = parts.map(|g| g.name.as_str()).collect();
+    let groups = problem.spec.goal.groups.iter().map(|(name, _)| name);
+    let idle: Vec<&str> = groups.filter(|name| !used.contains(name)).collect();
+    (!idle.is_empty()).then(|| {
+        let text = format!(
+            "goal.groups: without a weight or a bound, and so no part of the goal: {}",
+            idle.join(", ")
+        );
+        Flag { name: "unused-group".into(), text }
+    })
+}
+
+/// Two numbers with as many digits as it takes to tell them apart.
+fn apart(one: f64, other: f64) -> [String; 2] {
+    let difference = (one - other).abs() / one.abs().max(other.abs());
+    let digits = if difference > 0.0 { (1.0 - difference.log10()).ceil().clamp(2.0, 16.0) } else { 16.0 };
+    [one, other].map(|v| format!("{v:.*e}", digits as usize))
+}
+
 /// Why there is no controller, and what may help.
 pub(super) fn why(e: &SynthesisError, problem: &Problem, passive: &Measured) -> String {
     let by_inequalities = problem.spec.method.is_by_inequalities();
@@ -151,6 +173,18 @@ pub(super) fn why(e: &SynthesisError, problem: &Problem, passive: &Measured) -> 
         return short_numbers(&text);
     }
     let text = match e {
+        SynthesisError::Refused { what, claimed, found } => {
+            let [claimed, found] = apart(*claimed, *found);
+            let weight = usual_weight(problem, passive).filter(|_| problem.spec.input_weight == 0.0);
+            let weight = weight.map_or_else(
+                || format!("a larger input_weight than {}", short(problem.spec.input_weight)),
+                |w| format!("input_weight = {w:.0e} (1/N²)"),
+            );
+            return format!(
+                "{what} is claimed to be {claimed} and recomputed as {found}, which rounding must not make so different: the equations are \
+                 too ill-conditioned. State {weight}, or raise lqg.sensor_noise"
+            );
+        }
         SynthesisError::Riccati { equation, source: RiccatiError::OnTheBoundary { distance, frequency } } => {
             let help = if *equation == "filter" {
                 "the measurements hardly see the road there; raise lqg.sensor_noise, or measure something that the road \
@@ -282,6 +316,14 @@ pub(super) fn short(v: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn two_numbers_are_told_apart() {
+        assert_eq!(apart(0.008_021_234, 0.008_021_334), ["8.021234e-3", "8.021334e-3"]);
+        assert_eq!(apart(1.0, 3.0), ["1.00e0", "3.00e0"]);
+        let [one, other] = apart(1.0, 1.0 + 1e-14);
+        assert_ne!(one, other);
+    }
 
     #[test]
     fn numbers_in_sentences_are_short_and_names_stay() {

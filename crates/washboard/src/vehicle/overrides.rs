@@ -6,7 +6,8 @@ use serde_json::Value;
 
 impl VehicleSpec {
     /// The file with numbers replaced, by dotted names of its fields: `front.tire_damping_n_s_per_m`; a name without its
-    /// axle means every axle, one without its side both sides.
+    /// axle means every axle, one without its side both sides. Where two names mean one number the more specific one has it, in
+    /// whatever order they are given.
     ///
     /// # Errors
     /// A name that is none, with the nearest that is; a number that makes no file.
@@ -19,7 +20,9 @@ impl VehicleSpec {
         let mut file = serde_json::to_value(self).map_err(|e| wrong(e.to_string()))?;
         let model = self.model.name();
         let found = leaves(&file[model]);
-        for (name, value) in overrides {
+        let mut ordered: Vec<&(String, f64)> = overrides.iter().collect();
+        ordered.sort_by_key(|(name, _)| name.matches('.').count());
+        for (name, value) in ordered {
             let mut written = false;
             for (path, _) in found.iter().filter(|(path, _)| names(name, path)) {
                 if let Some(slot) = file[model].pointer_mut(&format!("/{}", path.join("/"))) {
@@ -32,6 +35,21 @@ impl VehicleSpec {
             }
         }
         serde_json::from_value(file).map_err(|e| wrong(e.to_string()))
+    }
+
+    /// Names of the dampings that are 0.
+    #[must_use]
+    pub fn undamped(&self) -> Vec<String> {
+        let file = serde_json::to_value(self).unwrap_or_default();
+        let all = leaves(&file[self.model.name()]).into_iter().filter(|(_, value)| *value == 0.0);
+        all.map(|(path, _)| path.join(".")).filter(|name| name.contains("damping")).collect()
+    }
+
+    /// Whether two names of fields mean a number in common.
+    #[must_use]
+    pub fn overlap(&self, one: &str, other: &str) -> bool {
+        let file = serde_json::to_value(self).unwrap_or_default();
+        leaves(&file[self.model.name()]).iter().any(|(path, _)| names(one, path) && names(other, path))
     }
 }
 
@@ -52,6 +70,13 @@ mod tests {
             damping(&[("tire_damping_n_s_per_m", 98.0), ("rear.tire_damping_n_s_per_m", 50.0)]).unwrap(),
             [98.0, 50.0]
         );
+        assert_eq!(
+            damping(&[("rear.tire_damping_n_s_per_m", 50.0), ("tire_damping_n_s_per_m", 98.0)]).unwrap(),
+            [98.0, 50.0],
+            "the specific name has it in either order"
+        );
+        assert!(spec.overlap("rear.tire_damping_n_s_per_m", "tire_damping_n_s_per_m"));
+        assert!(!spec.overlap("rear.tire_damping_n_s_per_m", "front.tire_damping_n_s_per_m"));
         let e = damping(&[("tire_dampng_n_s_per_m", 1.0)]).unwrap_err().to_string();
         assert!(e.contains("no parameter `tire_dampng_n_s_per_m`"), "{e}");
         assert!(damping(&[("tire_damping_n_s_per_m", -1.0)]).is_err());

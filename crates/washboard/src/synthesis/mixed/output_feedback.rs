@@ -13,6 +13,9 @@ use crate::lti::{Continuous, GeneralizedPlant, StateSpace};
 use crate::optimize::{Expr, Lmi, LmiSolution, SdpError, SdpSettings, Status, Variable};
 use crate::synthesis::{Assumption, SynthesisError, broken_assumptions};
 
+/// States of a large plant.
+const LARGE: usize = 10;
+
 /// A controller u = K(s) y.
 #[derive(Debug, Clone)]
 pub struct MixedController {
@@ -58,11 +61,16 @@ pub fn mixed_h2_hinf(
     let parts = units.parts(plant, &goals.h2, &goals.hinf);
     let settings =
         &SdpSettings { interior_gap: (goals.back_off > 0.0).then_some(goals.back_off), ..*settings };
-    let solve = |scale: LyapunovScale| {
-        let LyapunovScale::Fixed(s) = scale else {
-            return Program::solved(&units, &parts, goals, 1.0, settings);
-        };
-        Program::solved(&units, &parts, goals, s, settings)
+    // a search over scales of a large plant goes on in double-double once: there that takes many seconds
+    let large = plant.order() >= LARGE;
+    let doubled = std::cell::Cell::new(false);
+    let solve = |scale: LyapunovScale| -> Result<_, SdpError> {
+        let s = if let LyapunovScale::Fixed(s) = scale { s } else { 1.0 };
+        let double_double = settings.double_double && !(large && doubled.get());
+        let settings = SdpSettings { double_double, ..*settings };
+        let solved = Program::solved(&units, &parts, goals, s, &settings)?;
+        doubled.set(doubled.get() || solved.1.outcome.iterations[1] > 0);
+        Ok(solved)
     };
     let both = !goals.h2.is_empty() && !goals.hinf.is_empty();
     let (program, solution) = match goals.scale {
