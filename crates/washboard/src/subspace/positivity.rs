@@ -160,7 +160,7 @@ pub(super) fn lifted(
     floor_beyond: f64,
     limit: f64,
 ) -> Result<(Summand, Option<Repair>), SubspaceError> {
-    let sizes = samples.s().iter().map(|s| hermitian_least(s)).collect::<Result<Vec<_>, _>>()?;
+    let sizes = samples.s().iter().map(hermitian_least).collect::<Result<Vec<_>, _>>()?;
     let largest = samples.s().iter().map(|s| s.norm_max()).fold(0.0, f64::max);
     let smallest = sizes.iter().copied().filter(|v| *v > 0.0).fold(f64::INFINITY, f64::min);
     let band = [samples.theta_rad()[0], samples.theta_rad()[samples.count() - 1]];
