@@ -22,10 +22,8 @@ const PATIENT: usize = 12;
 const GRID: usize = 1024;
 /// Samples that are looked at.
 const MOST_SAMPLES: usize = 8 * GRID;
-/// Steps of golden section at each minimum: to 7e-5 of the bracket, the value to the square of that of its rise.
-const GOLDEN: usize = 20;
-/// The same where it is known to be below the floor: a constraint near the minimum cuts as well as one at it.
-const COARSE: usize = 4;
+/// Steps of golden section at each minimum.
+const GOLDEN: usize = 40;
 
 /// What was done to a spectrum that was not positive.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -120,10 +118,7 @@ fn minima(
         if values[k] > values[before] || values[k] > values[after] || values[k] > floor(angles[k]) + rise {
             return Ok(None);
         }
-        let (theta, value) = {
-            let steps = if values[k] < floor(angles[k]) { COARSE } else { GOLDEN };
-            golden(s, angles[before], angles[after], steps)?
-        };
+        let (theta, value) = golden(s, angles[before], angles[after])?;
         let best = if value < values[k] { (theta, value) } else { (angles[k], values[k]) };
         Ok((best.1 < floor(best.0)).then_some(best))
     };
@@ -131,11 +126,11 @@ fn minima(
     Ok(found.into_iter().flatten().collect())
 }
 
-fn golden(s: &Summand, mut low: f64, mut high: f64, steps: usize) -> Result<(f64, f64), LinalgError> {
+fn golden(s: &Summand, mut low: f64, mut high: f64) -> Result<(f64, f64), LinalgError> {
     let share = 0.5 * (5f64.sqrt() - 1.0);
     let (mut x, mut y) = (high - share * (high - low), low + share * (high - low));
     let (mut fx, mut fy) = (least(s, x)?, least(s, y)?);
-    for _ in 0..steps {
+    for _ in 0..GOLDEN {
         if fx < fy {
             (high, y, fy) = (y, x, fx);
             x = high - share * (high - low);
