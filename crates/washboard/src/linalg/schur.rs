@@ -55,7 +55,7 @@ impl RealSchur {
     ///
     /// # Errors
     /// As [`RealSchur::new`].
-    pub(crate) fn only_eigenvalues(a: &Mat) -> Result<Vec<C64>, LinalgError> {
+    pub fn only_eigenvalues(a: &Mat) -> Result<Vec<C64>, LinalgError> {
         check_square("A", a)?;
         check_finite("A", a)?;
         let blocks = francis::diagonal_blocks(a)?;

@@ -3,14 +3,14 @@
 
 mod balance;
 mod bilinear;
-mod connect;
+pub(crate) mod connect;
 mod error;
 mod first_order;
 mod frequency;
 mod mechanics;
 mod modal;
 mod modes;
-mod norms;
+pub(crate) mod norms;
 mod pade;
 mod plant;
 pub(crate) mod rational;
@@ -21,6 +21,7 @@ mod time_response;
 mod wheeled;
 mod zeros;
 
+pub(crate) use connect::{blocks, cut};
 pub use error::LtiError;
 pub use first_order::FirstOrder;
 pub use frequency::Responder;

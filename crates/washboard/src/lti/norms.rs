@@ -1,7 +1,7 @@
 //! Norms of a system: H2, by Lyapunov's equation, and H∞, by level sets of the largest singular value.
 
 mod hinf;
-mod peak;
+pub(crate) mod peak;
 
 pub use hinf::HinfNorm;
 

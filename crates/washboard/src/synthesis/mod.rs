@@ -8,6 +8,7 @@ pub mod achievable;
 mod assumptions;
 mod certificate;
 mod error;
+mod fixed_order;
 mod h2;
 mod h2_limit;
 mod hinf;
@@ -18,6 +19,10 @@ mod near_limit;
 pub use assumptions::{Assumption, BrokenAssumption, broken_assumptions};
 pub use certificate::{Certificate, ChannelNorms};
 pub use error::SynthesisError;
+pub use fixed_order::{
+    Aim, Channel, Entry, FixedOrder, FixedOrderDesign, FixedOrderEnd, FixedOrderSettings, FixedOrderWork,
+    Local, Measure, Structure, Target, TargetValue, fixed_order,
+};
 pub use h2::{H2Design, LqgWeights, h2, lqg, lqg_plant};
 pub use h2_limit::{H2Limit, full_information, h2_limit};
 pub use hinf::{HinfDesign, HinfSettings, hinf};

@@ -13,7 +13,7 @@ const FLAT: f64 = 1e-12;
 const GOLDEN: f64 = 0.381_966_011_250_105;
 
 /// σ_max(G) over frequency, counted.
-pub(super) struct Gain<F: Fn(f64) -> Result<CMat, LtiError>> {
+pub(crate) struct Gain<F: Fn(f64) -> Result<CMat, LtiError>> {
     response: F,
     pub evaluations: usize,
 }

@@ -1,0 +1,391 @@
+//! A goal under bounds, both the largest of smooth pieces: steps of a quadratic program over all pieces that matter, with
+//! an exact penalty, a BFGS matrix of the Lagrangian, and pieces learnt where a step failed.
+
+use super::bfgs::{identity, update};
+use super::model::{Step, step};
+use super::pieces::{Pieces, Role, SmoothPiece, levels, merit};
+use super::simplex::dot;
+
+/// The merit must lose this share of what the model says.
+const ENOUGH: f64 = 1e-4;
+/// A step that would lose more than this share is made longer.
+const LONGER: f64 = 0.7;
+/// Pieces learnt from one failed step, at most.
+const LEARNT: usize = 6;
+/// Learnt pieces are forgotten after so many steps without weight.
+const FORGOTTEN: usize = 8;
+/// Learnt pieces at most.
+const MOST_LEARNT: usize = 60;
+/// Pieces apart by more than this are not the same one after a step.
+const SAME: f64 = 0.4;
+/// The penalty grows by this while bounds are exceeded, to at most the next.
+const STIFFER: f64 = 4.0;
+const STIFFEST: f64 = 1e7;
+/// The bounds' excess that does not matter.
+const MET: f64 = 1e-9;
+/// The share of the matrix's curvature that a step must show, or it is mixed with the old one (Powell's damping).
+const DAMPED: f64 = 0.2;
+
+/// When to stop.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct BundleSettings {
+    /// Steps at most.
+    pub iterations: usize,
+    /// Evaluations at most.
+    pub evaluations: usize,
+    /// A decrease smaller than this, that the model says, is none.
+    pub tolerance: f64,
+    /// The first penalty.
+    pub penalty: f64,
+    /// The longest step, as a share of 1 + ‖x‖.
+    pub longest: f64,
+}
+
+impl Default for BundleSettings {
+    fn default() -> Self {
+        BundleSettings { iterations: 300, evaluations: 1500, tolerance: 1e-8, penalty: 4.0, longest: 1.0 }
+    }
+}
+
+/// How it ended.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum BundleEnd {
+    /// No model says that anything more is to be gained.
+    Converged,
+    /// Steps of rounding's size gain nothing.
+    NoStep,
+    /// All steps or evaluations are made.
+    Budget,
+}
+
+/// The lowest point.
+#[derive(Debug, Clone)]
+pub struct BundleResult<I> {
+    /// Where.
+    pub x: Vec<f64>,
+    /// The goal there.
+    pub goal: f64,
+    /// max(0, c) there.
+    pub violation: f64,
+    /// The pieces there that hold it, with their weights.
+    pub active: Vec<(SmoothPiece<I>, f64)>,
+    /// The penalty at the end.
+    pub penalty: f64,
+    /// Steps.
+    pub iterations: usize,
+    /// Points at which the pieces were asked for.
+    pub evaluations: usize,
+    /// Why it ended.
+    pub end: BundleEnd,
+}
+
+/// Minimises the goal under the bounds from x, down a merit f + ρ max(0, c) that every step lowers by a share of what the
+/// model says: where no more is to be gained and the bounds are met, x is stationary.
+///
+/// A model holds every piece near the largest at x, and pieces that were the largest where a step failed (their values
+/// and gradients taken at x: lower bounds that are exact there). ρ grows while bounds are exceeded and the model would
+/// exceed them to gain. None where the functions are not defined at x.
+///
+/// Source: Fletcher, *Practical Methods of Optimization*, 2nd ed., ch. 14 (penalty, steps); Apkarian and Noll, IEEE Trans.
+/// Automat. Control 51 (2006) 71–86 (bundles over frequencies); Nocedal and Wright, procedure 18.2 (damping).
+pub fn minimize<P: Pieces>(problem: &P, x: &[f64], settings: &BundleSettings) -> Option<BundleResult<P::Id>> {
+    let pieces = problem.pieces(x)?;
+    let mut state = State {
+        problem,
+        settings,
+        w: Vec::new(),
+        fresh: true,
+        learnt: Vec::new(),
+        penalty: settings.penalty,
+        radius: settings.longest * (1.0 + dot(x, x).sqrt()),
+        evaluations: 1,
+        x: x.to_vec(),
+        pieces,
+    };
+    let (mut end, mut iterations, mut confirmed) = (BundleEnd::Budget, 0, 0);
+    let mut last = None;
+    while iterations < settings.iterations && state.evaluations < settings.evaluations {
+        iterations += 1;
+        match state.advance() {
+            Advance::Moved => confirmed = 0,
+            Advance::Flat(weights) => {
+                last = Some(weights);
+                confirmed += 1;
+                if confirmed == 2 {
+                    end = BundleEnd::Converged;
+                    break;
+                }
+                state.forget_curvature();
+            }
+            Advance::Stuck => {
+                confirmed += 1;
+                if confirmed == 2 {
+                    end = BundleEnd::NoStep;
+                    break;
+                }
+                state.forget_curvature();
+            }
+        }
+    }
+    let (goal, violation) = levels(&state.pieces);
+    let active = match last {
+        Some(active) => active,
+        None => state.weighted(),
+    };
+    Some(BundleResult {
+        goal,
+        violation,
+        active,
+        penalty: state.penalty,
+        iterations,
+        evaluations: state.evaluations,
+        end,
+        x: state.x,
+    })
+}
+
+enum Advance<I> {
+    Moved,
+    /// The model says that there is nothing to gain: the pieces that hold, with their weights.
+    Flat(Vec<(SmoothPiece<I>, f64)>),
+    Stuck,
+}
+
+struct Learnt<I> {
+    id: I,
+    idle: usize,
+}
+
+struct State<'a, P: Pieces> {
+    problem: &'a P,
+    settings: &'a BundleSettings,
+    /// The inverse matrix; empty where nothing is known.
+    w: Vec<f64>,
+    fresh: bool,
+    learnt: Vec<Learnt<P::Id>>,
+    penalty: f64,
+    radius: f64,
+    evaluations: usize,
+    x: Vec<f64>,
+    pieces: Vec<SmoothPiece<P::Id>>,
+}
+
+impl<P: Pieces> State<'_, P> {
+    /// One step, with all its tries.
+    fn advance(&mut self) -> Advance<P::Id> {
+        let mut tries = 0;
+        let mut shorter = 1.0;
+        loop {
+            let known = self.bundle();
+            let Some(model) = self.model(&known) else { return Advance::Stuck };
+            self.remember(&known, &model);
+            if model.decrease <= self.settings.tolerance {
+                let weights = known.into_iter().zip(model.weights).filter(|(_, w)| *w > 1e-6).collect();
+                return Advance::Flat(weights);
+            }
+            let length = dot(&model.direction, &model.direction).sqrt();
+            let t = (shorter * self.radius / length).min(1.0);
+            if t * length < 1e-13 * (1.0 + dot(&self.x, &self.x).sqrt()) {
+                return Advance::Stuck;
+            }
+            match self.tried(&model, t) {
+                Ok((next, pieces, t)) => {
+                    self.move_to(&known, &model, t, next, pieces);
+                    return Advance::Moved;
+                }
+                Err(there) => {
+                    tries += 1;
+                    // shorter than what failed; after pieces were learnt not by much
+                    let factor = if there.is_some() && tries <= 3 { 0.5 } else { 0.2 };
+                    shorter = factor * t * length / self.radius;
+                    if let Some(there) = there {
+                        self.learn(there);
+                    }
+                    if tries > 40 || self.evaluations >= self.settings.evaluations {
+                        return Advance::Stuck;
+                    }
+                }
+            }
+        }
+    }
+
+    /// All pieces of the model.
+    fn bundle(&self) -> Vec<SmoothPiece<P::Id>> {
+        let ids: Vec<&P::Id> = self.learnt.iter().map(|l| &l.id).collect();
+        let mut known = self.pieces.clone();
+        if !ids.is_empty() {
+            known.extend(self.problem.again(&ids, &self.x));
+        }
+        known
+    }
+
+    /// The step; with a penalty that is large enough.
+    fn model(&mut self, known: &[SmoothPiece<P::Id>]) -> Option<Step> {
+        if self.w.is_empty() {
+            self.w = self.first_matrix(known)?;
+        }
+        let now = levels(known).1;
+        loop {
+            let model = step(known, &self.w, self.penalty)?;
+            // all of the penalty is used, and bounds are still exceeded, more than a step may leave them
+            let exceeded = model.violation > MET && model.violation > 0.5 * now && model.slack < 1e-6;
+            if !exceeded || self.penalty >= STIFFEST || levels(known).0 == f64::NEG_INFINITY {
+                return Some(model);
+            }
+            self.penalty *= STIFFER;
+        }
+    }
+
+    /// A matrix of which the first step gains a tenth, or goes a tenth of x's length.
+    fn first_matrix(&self, known: &[SmoothPiece<P::Id>]) -> Option<Vec<f64>> {
+        let n = self.x.len();
+        let s = step(known, &identity(n, 1.0), self.penalty)?;
+        let length = dot(&s.slope, &s.slope).sqrt();
+        let size = (0.1 * self.radius / self.settings.longest / length).min(0.2 / (length * length));
+        Some(identity(n, if size.is_finite() && size > 0.0 { size } else { 1.0 }))
+    }
+
+    /// The merit at x + t d, and on from there while it falls as said; what was found where it does not fall.
+    #[allow(
+        clippy::type_complexity,
+        reason = "the point, its pieces and the step, or the pieces where it failed"
+    )]
+    fn tried(
+        &mut self,
+        model: &Step,
+        t: f64,
+    ) -> Result<(Vec<f64>, Vec<SmoothPiece<P::Id>>, f64), Option<Vec<SmoothPiece<P::Id>>>> {
+        let now = merit(&self.pieces, self.penalty);
+        let at = |t: f64, evaluations: &mut usize| {
+            let next: Vec<f64> = self.x.iter().zip(&model.direction).map(|(x, d)| x + t * d).collect();
+            *evaluations += 1;
+            self.problem.pieces(&next).map(|p| (next, p))
+        };
+        let Some((next, pieces)) = at(t, &mut self.evaluations) else { return Err(None) };
+        let loss = now - merit(&pieces, self.penalty);
+        if !(loss >= ENOUGH * t * model.decrease) {
+            return Err(Some(pieces));
+        }
+        let (mut best, mut best_loss) = ((next, pieces, t), loss);
+        // a matrix that knows little makes steps that are too short
+        let length = dot(&model.direction, &model.direction).sqrt();
+        for _ in 0..4 {
+            let longer = 2.0 * best.2;
+            if !self.fresh || best_loss < LONGER * best.2 * model.decrease || longer * length > self.radius {
+                break;
+            }
+            let Some((next, pieces)) = at(longer, &mut self.evaluations) else { break };
+            let loss = now - merit(&pieces, self.penalty);
+            if loss <= 1.2 * best_loss {
+                break;
+            }
+            (best, best_loss) = ((next, pieces, longer), loss);
+        }
+        Ok(best)
+    }
+
+    /// Curvature of the Lagrangian along the step, then the step.
+    fn move_to(
+        &mut self,
+        known: &[SmoothPiece<P::Id>],
+        model: &Step,
+        t: f64,
+        next: Vec<f64>,
+        pieces: Vec<SmoothPiece<P::Id>>,
+    ) {
+        let n = self.x.len();
+        let held: Vec<usize> = (0..known.len()).filter(|i| model.weights[*i] > 1e-6).collect();
+        let nearest = |i: usize| -> Option<&SmoothPiece<P::Id>> {
+            pieces
+                .iter()
+                .filter(|p| p.role == known[i].role)
+                .filter_map(|p| Some((self.problem.apart(&known[i].id, &p.id)?, p)))
+                .filter(|(d, _)| *d < SAME)
+                .min_by(|a, b| a.0.total_cmp(&b.0))
+                .map(|(_, p)| p)
+        };
+        let mut y = vec![0.0; n];
+        for i in held {
+            let now = match nearest(i) {
+                Some(p) => Some(p.gradient.clone()),
+                None => self.problem.again(&[&known[i].id], &next).pop().map(|p| p.gradient),
+            };
+            let Some(now) = now else { continue };
+            let weight = model.weights[i];
+            y.iter_mut()
+                .zip(now.iter().zip(&known[i].gradient))
+                .for_each(|(y, (a, b))| *y += weight * (a - b));
+        }
+        let s: Vec<f64> = next.iter().zip(&self.x).map(|(a, b)| a - b).collect();
+        // H s of a step t d is −t Σ weight · gradient
+        let hs: Vec<f64> = model.slope.iter().map(|v| -t * v).collect();
+        let (shs, sy) = (dot(&s, &hs), dot(&s, &y));
+        if self.fresh && sy > DAMPED * 1e-3 * shs {
+            let scale = sy / dot(&y, &y);
+            if scale.is_finite() && scale > 0.0 {
+                self.w = identity(n, scale);
+            }
+            update(&mut self.w, &s, &y);
+            self.fresh = false;
+        } else {
+            if sy < DAMPED * shs {
+                let theta = (1.0 - DAMPED) * shs / (shs - sy);
+                y.iter_mut().zip(&hs).for_each(|(y, h)| *y = theta * *y + (1.0 - theta) * h);
+            }
+            update(&mut self.w, &s, &y);
+        }
+        let moved = dot(&s, &s).sqrt();
+        let size = 1.0 + dot(&next, &next).sqrt();
+        self.radius =
+            (self.radius.max(3.0 * moved)).min(self.settings.longest * size).max(3.0 * moved.min(size));
+        (self.x, self.pieces) = (next, pieces);
+    }
+
+    /// Pieces where a step failed: the highest there.
+    fn learn(&mut self, mut there: Vec<SmoothPiece<P::Id>>) {
+        let now = merit(&self.pieces, self.penalty);
+        let height = |p: &SmoothPiece<P::Id>| match p.role {
+            Role::Goal => p.value,
+            Role::Bound(_) => now + self.penalty * p.value,
+        };
+        there.sort_by(|a, b| height(b).total_cmp(&height(a)));
+        for p in there.into_iter().take(LEARNT) {
+            let known = |id: &P::Id| self.problem.apart(id, &p.id).is_some_and(|d| d < 1e-6);
+            if self.pieces.iter().any(|q| known(&q.id)) || self.learnt.iter().any(|l| known(&l.id)) {
+                continue;
+            }
+            self.learnt.push(Learnt { id: p.id, idle: 0 });
+        }
+        let excess = self.learnt.len().saturating_sub(MOST_LEARNT);
+        self.learnt.drain(..excess);
+    }
+
+    /// Learnt pieces without weight are forgotten after a while.
+    fn remember(&mut self, known: &[SmoothPiece<P::Id>], model: &Step) {
+        for l in &mut self.learnt {
+            l.idle += 1;
+        }
+        for (p, w) in known.iter().zip(&model.weights).skip(self.pieces.len()) {
+            if *w > 1e-8 {
+                for l in &mut self.learnt {
+                    if self.problem.apart(&l.id, &p.id) == Some(0.0) {
+                        l.idle = 0;
+                    }
+                }
+            }
+        }
+        self.learnt.retain(|l| l.idle < FORGOTTEN);
+    }
+
+    fn forget_curvature(&mut self) {
+        self.w = Vec::new();
+        self.fresh = true;
+    }
+
+    /// The pieces that hold x.
+    fn weighted(&mut self) -> Vec<(SmoothPiece<P::Id>, f64)> {
+        let known = self.bundle();
+        let Some(model) = self.model(&known) else { return Vec::new() };
+        known.into_iter().zip(model.weights).filter(|(_, w)| *w > 1e-6).collect()
+    }
+}

@@ -1,0 +1,14 @@
+//! Functions that are the largest of many smooth ones: BFGS, a bundle method for goals under bounds, and the distance of
+//! 0 from the subdifferential.
+
+mod bfgs;
+mod bundle;
+mod model;
+mod pieces;
+mod sampled;
+mod simplex;
+
+pub use bfgs::{BfgsEnd, BfgsResult, BfgsSettings, bfgs};
+pub use bundle::{BundleEnd, BundleResult, BundleSettings, minimize};
+pub use pieces::{Pieces, Role, SmoothPiece};
+pub use sampled::{Sampled, sampled_subdifferential};

@@ -1,0 +1,114 @@
+//! A plant with a controller of given order: the closed loop, and what its matrices gain from each entry.
+
+use crate::linalg::{Mat, solve};
+use crate::lti::{GeneralizedPlant, LtiError, blocks, cut};
+
+/// A plant's blocks at hand.
+#[derive(Debug, Clone)]
+pub(super) struct Open {
+    pub a: Mat,
+    pub b1: Mat,
+    pub b2: Mat,
+    pub c1: Mat,
+    pub c2: Mat,
+    pub d11: Mat,
+    pub d12: Mat,
+    pub d21: Mat,
+    pub d22: Mat,
+    through: bool,
+}
+
+/// ẋ = A x + B w, z = C x + D w with the states \[x; ξ\].
+#[derive(Debug, Clone)]
+pub(super) struct Closed {
+    pub a: Mat,
+    pub b: Mat,
+    pub c: Mat,
+    pub d: Mat,
+    /// (I − K D₂₂)⁻ᵀ and (I − D₂₂K)⁻ᵀ of the extended matrices, where D₂₂ is not 0.
+    turn: Option<(Mat, Mat)>,
+}
+
+impl Open {
+    pub fn of(plant: &GeneralizedPlant) -> Self {
+        let d22 = plant.d22();
+        Open {
+            a: plant.a().clone(),
+            b1: plant.b1(),
+            b2: plant.b2(),
+            c1: plant.c1(),
+            c2: plant.c2(),
+            d11: plant.d11(),
+            d12: plant.d12(),
+            d21: plant.d21(),
+            through: d22.norm_max() > 0.0,
+            d22,
+        }
+    }
+
+    /// z = u, y = w: its closed loop is the controller itself.
+    pub fn bare(controls: usize, measurements: usize) -> Self {
+        let one = |n: usize| Mat::identity(n, n);
+        let none = |r: usize, c: usize| Mat::zeros(r, c);
+        let (u, y) = (controls, measurements);
+        Open {
+            a: none(0, 0),
+            b1: none(0, y),
+            b2: none(0, u),
+            c1: none(u, 0),
+            c2: none(y, 0),
+            d11: none(u, y),
+            d12: one(u),
+            d21: one(y),
+            d22: none(y, u),
+            through: false,
+        }
+    }
+
+    /// Closes the loop with \[A_K, B_K; C_K, D_K\]; none where that is not well posed.
+    pub fn close(&self, k: &Mat, order: usize) -> Option<Closed> {
+        let (n, nu, ny) = (self.a.nrows(), self.b2.ncols(), self.c2.nrows());
+        let mut turn = None;
+        let mut k = k.clone();
+        if self.through {
+            let zero = |r: usize, c: usize| Mat::zeros(r, c);
+            let d = blocks(&[&[&zero(order, order), &zero(order, nu)], &[&zero(ny, order), &self.d22]]);
+            let left = Mat::identity(order + nu, order + nu) - &k * &d;
+            let right = Mat::identity(order + ny, order + ny) - &d * &k;
+            let inverse = |m: &Mat| -> Result<Mat, LtiError> {
+                Ok(solve(&m.transpose().to_owned(), &Mat::identity(m.nrows(), m.nrows()))?)
+            };
+            let (left, right) = (inverse(&left).ok()?, inverse(&right).ok()?);
+            k = left.transpose() * &k;
+            if k.norm_max() > 1e12 * (1.0 + self.d22.norm_max().recip()) {
+                return None;
+            }
+            turn = Some((left, right));
+        }
+        let (ak, bk) = (cut(&k, 0, 0, order, order), cut(&k, 0, order, order, ny));
+        let (ck, dk) = (cut(&k, order, 0, nu, order), cut(&k, order, order, nu, ny));
+        let (b2d, d12d) = (&self.b2 * &dk, &self.d12 * &dk);
+        let a = blocks(&[&[&(&self.a + &b2d * &self.c2), &(&self.b2 * &ck)], &[&(&bk * &self.c2), &ak]]);
+        let b = blocks(&[&[&(&self.b1 + &b2d * &self.d21)], &[&(&bk * &self.d21)]]);
+        let c = blocks(&[&[&(&self.c1 + &d12d * &self.c2), &(&self.d12 * &ck)]]);
+        let d = &self.d11 + &d12d * &self.d21;
+        let finite = |m: &Mat| m.nrows() == 0 || m.ncols() == 0 || m.norm_max().is_finite();
+        (n + order == a.nrows() && finite(&a) && finite(&b) && finite(&c) && finite(&d)).then_some(Closed {
+            a,
+            b,
+            c,
+            d,
+            turn,
+        })
+    }
+}
+
+impl Closed {
+    /// From a gradient in the loop's own block to that of \[A_K, B_K; C_K, D_K\].
+    pub fn back(&self, gradient: Mat) -> Mat {
+        match &self.turn {
+            Some((left, right)) => left * gradient * right,
+            None => gradient,
+        }
+    }
+}

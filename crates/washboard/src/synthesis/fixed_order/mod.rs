@@ -1,0 +1,22 @@
+//! Controllers of given order and structure: H∞, H2 and decay over any channels of any number of plants, minimised under
+//! bounds by a bundle method.
+
+mod closed;
+mod design;
+mod eigenvalues;
+mod h2_norm;
+mod peaks;
+mod problem;
+mod resolvent;
+mod scales;
+mod search;
+mod starts;
+mod structure;
+mod targets;
+mod verify;
+
+pub use design::{
+    FixedOrder, FixedOrderDesign, FixedOrderEnd, FixedOrderSettings, FixedOrderWork, TargetValue, fixed_order,
+};
+pub use structure::{Entry, Local, Structure};
+pub use targets::{Aim, Channel, Measure, Target};

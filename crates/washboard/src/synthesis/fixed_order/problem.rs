@@ -1,0 +1,389 @@
+//! A fixed-order design as a goal and bounds of smooth pieces: peaks of responses, H2 norms, eigenvalues.
+
+use super::closed::{Closed, Open};
+use super::eigenvalues::Spectrum;
+use super::h2_norm::h2_norm;
+use super::peaks::find;
+use super::resolvent::Resolvent;
+use super::scales::Scales;
+use super::structure::Structure;
+use super::targets::{Aim, Channel, Measure, Target};
+use crate::linalg::{C64, Mat};
+use crate::lti::GeneralizedPlant;
+use crate::optimize::{Pieces, Role, SmoothPiece};
+use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
+
+/// Eigenvalues count whose real part is within this of the largest, as a share of the unit.
+const BESIDE: f64 = 0.05;
+/// Eigenvalues of one matrix that count at most.
+const MOST_EIGENVALUES: usize = 6;
+
+/// Work that was done.
+#[derive(Debug, Default)]
+pub(super) struct Counters {
+    pub loops: AtomicUsize,
+    pub factorisations: AtomicUsize,
+    pub eigenproblems: AtomicUsize,
+    pub lyapunov: AtomicUsize,
+}
+
+/// A smooth piece's name.
+#[derive(Debug, Clone)]
+pub(super) struct Id {
+    pub target: usize,
+    pub of: Of,
+}
+
+/// What it is.
+#[derive(Debug, Clone)]
+pub(super) enum Of {
+    /// Re uᴴT(iω)v.
+    Peak { omega: f64, u: Vec<C64>, v: Vec<C64> },
+    /// A norm that is smooth itself.
+    Smooth,
+    /// The eigenvalue nearest to this.
+    Eigenvalue(C64),
+}
+
+/// What is measured of a plant, with the limits of the controller among them.
+pub(super) struct Wanted {
+    pub plant: usize,
+    pub kind: Kind,
+    pub role: Role,
+    /// ln of a unit or bound, or these themselves for an abscissa.
+    pub unit: f64,
+}
+
+pub(super) enum Kind {
+    Hinf(Channel),
+    H2(Channel),
+    Abscissa,
+    /// max |λ|.
+    Radius,
+}
+
+/// Plants, targets and the map from numbers to controllers.
+pub(super) struct Problem {
+    pub opens: Vec<Open>,
+    /// Whether a plant's loop has to be stable: not that of the controller alone.
+    pub stable: Vec<bool>,
+    pub wanted: Vec<Wanted>,
+    pub structure: Structure,
+    pub free: Vec<(usize, usize)>,
+    pub scales: Scales,
+    /// Frequencies that are always looked at, rad/s.
+    pub frequencies: Vec<f64>,
+    /// −Re of every pole is at least this.
+    pub margin: f64,
+    pub counters: Counters,
+}
+
+impl Problem {
+    pub fn new(
+        plants: &[GeneralizedPlant],
+        targets: &[Target],
+        structure: Structure,
+        limits: (Option<f64>, Option<f64>),
+        margin: f64,
+        frequencies: &[f64],
+    ) -> Self {
+        let mut opens: Vec<Open> = plants.iter().map(Open::of).collect();
+        let mut stable = vec![true; opens.len()];
+        let mut bounds = 0;
+        let mut role = |aim: Aim| match aim {
+            Aim::Goal(unit) => (Role::Goal, unit),
+            Aim::Bound(limit) => {
+                bounds += 1;
+                (Role::Bound(bounds - 1), limit)
+            }
+        };
+        let mut wanted: Vec<Wanted> = targets
+            .iter()
+            .map(|t| {
+                let (role, number) = role(t.aim);
+                let (kind, unit) = match &t.measure {
+                    Measure::Hinf(c) => (Kind::Hinf(c.clone()), number.ln()),
+                    Measure::H2(c) => (Kind::H2(c.clone()), number.ln()),
+                    Measure::Abscissa => (Kind::Abscissa, number),
+                };
+                Wanted { plant: t.plant, kind, role, unit }
+            })
+            .collect();
+        let (nu, ny) = (structure.controls(), structure.measurements());
+        let scales = Scales::of(plants, targets);
+        if limits != (None, None) {
+            let plant = opens.len();
+            opens.push(Open::bare(nu, ny));
+            stable.push(false);
+            if let Some(radius) = limits.0.filter(|_| structure.order() > 0) {
+                let (role, number) = role(Aim::Bound(radius));
+                wanted.push(Wanted { plant, kind: Kind::Radius, role, unit: number.ln() });
+            }
+            if let Some(gain) = limits.1 {
+                let outputs = (0..nu).map(|i| (i, 1.0)).collect();
+                let (role, number) = role(Aim::Bound(gain));
+                let kind = Kind::Hinf(Channel { outputs, disturbances: Vec::new() });
+                wanted.push(Wanted { plant, kind, role, unit: number.ln() });
+            }
+        }
+        Problem {
+            opens,
+            stable,
+            wanted,
+            free: structure.free(),
+            structure,
+            scales,
+            frequencies: frequencies.to_vec(),
+            margin,
+            counters: Counters::default(),
+        }
+    }
+
+    /// \[A_K, B_K; C_K, D_K\] of x.
+    pub fn block(&self, x: &[f64]) -> Mat {
+        use super::structure::Entry;
+        let s = &self.structure;
+        let mut block = Mat::from_fn(s.rows(), s.cols(), |i, j| match s.entry(i, j) {
+            Entry::Fixed(v) => v,
+            Entry::Free => 0.0,
+        });
+        for ((i, j), v) in self.free.iter().zip(x) {
+            block[(*i, *j)] = v * self.scales.unit(s.order(), *i, *j);
+        }
+        block
+    }
+
+    /// x of a block; entries that are fixed are dropped.
+    pub fn of_block(&self, block: &Mat) -> Vec<f64> {
+        let order = self.structure.order();
+        self.free.iter().map(|(i, j)| block[(*i, *j)] / self.scales.unit(order, *i, *j)).collect()
+    }
+
+    /// From a gradient by the block's entries to that by x.
+    fn gradient(&self, closed: &Closed, by_block: Mat) -> Vec<f64> {
+        let order = self.structure.order();
+        let g = closed.back(by_block);
+        self.free.iter().map(|(i, j)| g[(*i, *j)] * self.scales.unit(order, *i, *j)).collect()
+    }
+
+    fn close(&self, plant: usize, block: &Mat) -> Option<Closed> {
+        self.counters.loops.fetch_add(1, Relaxed);
+        self.opens[plant].close(block, self.structure.order())
+    }
+
+    /// The largest real part over all plants, in units of their pace, and its gradient.
+    pub fn abscissa(&self, x: &[f64]) -> Option<(f64, Vec<f64>)> {
+        let block = self.block(x);
+        let mut worst: Option<(f64, Vec<f64>)> = None;
+        for plant in (0..self.opens.len()).filter(|p| self.stable[*p]) {
+            let closed = self.close(plant, &block)?;
+            self.counters.eigenproblems.fetch_add(1, Relaxed);
+            let spectrum = Spectrum::new(&closed.a)?;
+            let k = spectrum.rightmost()?;
+            let value = spectrum.values[k].re / self.scales.pace;
+            if worst.as_ref().is_none_or(|w| value > w.0) {
+                let by_block =
+                    spectrum.derivative(k, &self.opens[plant], self.structure.order(), C64::new(1.0, 0.0))?;
+                let g = self.gradient(&closed, by_block);
+                worst = Some((value, g.iter().map(|v| v / self.scales.pace).collect()));
+            }
+        }
+        worst
+    }
+
+    /// Pieces of all wants of a plant; none where its loop is not stable.
+    fn of_plant(&self, plant: usize, block: &Mat, out: &mut Vec<SmoothPiece<Id>>) -> Option<()> {
+        let wants: Vec<usize> = (0..self.wanted.len()).filter(|t| self.wanted[*t].plant == plant).collect();
+        if wants.is_empty() && !self.stable[plant] {
+            return Some(());
+        }
+        let closed = self.close(plant, block)?;
+        self.counters.eigenproblems.fetch_add(1, Relaxed);
+        let poles = if closed.a.nrows() == 0 {
+            Vec::new()
+        } else {
+            crate::linalg::RealSchur::only_eigenvalues(&closed.a).ok()?
+        };
+        if self.stable[plant] {
+            let worst = poles.iter().map(|p| p.re).fold(f64::NEG_INFINITY, f64::max);
+            // what a certificate would not call stable
+            let size = poles.iter().map(|p| p.norm()).fold(0.0, f64::max);
+            if !(worst < -self.margin.max(1e-12 * size)) {
+                return None;
+            }
+        }
+        let order = self.structure.order();
+        let of_hinf = |t: &&usize| matches!(self.wanted[**t].kind, Kind::Hinf(_));
+        let mut resolvent = Resolvent::new(&self.opens[plant], &closed, order);
+        let channels: Vec<(usize, &Channel, f64)> = wants
+            .iter()
+            .filter(of_hinf)
+            .filter_map(|t| match &self.wanted[*t].kind {
+                Kind::Hinf(c) => Some((*t, c, self.wanted[*t].unit)),
+                _ => None,
+            })
+            .collect();
+        if !channels.is_empty() {
+            let found = find(&mut resolvent, &channels, &poles, &self.frequencies)?;
+            for (t, peaks) in found {
+                for peak in peaks {
+                    let id = Id { target: t, of: Of::Peak { omega: peak.omega, u: peak.u, v: peak.v } };
+                    out.extend(self.peak_piece(&mut resolvent, &closed, id));
+                }
+            }
+        }
+        self.counters.factorisations.fetch_add(resolvent.counted, Relaxed);
+        for t in wants {
+            match &self.wanted[t].kind {
+                Kind::Hinf(_) => {}
+                Kind::H2(_) => out.push(self.h2_piece(t, &closed)?),
+                Kind::Abscissa | Kind::Radius => out.extend(self.eigenvalue_pieces(t, &closed)?),
+            }
+        }
+        Some(())
+    }
+
+    fn peak_piece(&self, resolvent: &mut Resolvent, closed: &Closed, id: Id) -> Option<SmoothPiece<Id>> {
+        let Of::Peak { omega, u, v } = &id.of else { return None };
+        let (value, zu, yw) = resolvent.derivative(*omega, u, v)?;
+        if !(value.re > 0.0 && value.re.is_finite()) {
+            return None;
+        }
+        let by_block = Mat::from_fn(zu.len(), yw.len(), |i, j| (zu[i] * yw[j]).re / value.re);
+        let wanted = &self.wanted[id.target];
+        let gradient = self.gradient(closed, by_block);
+        Some(SmoothPiece { role: wanted.role, value: value.re.ln() - wanted.unit, gradient, id })
+    }
+
+    fn h2_piece(&self, target: usize, closed: &Closed) -> Option<SmoothPiece<Id>> {
+        let wanted = &self.wanted[target];
+        let Kind::H2(channel) = &wanted.kind else { return None };
+        self.counters.lyapunov.fetch_add(2, Relaxed);
+        let (norm, by_block) = h2_norm(&self.opens[wanted.plant], closed, channel, self.structure.order())?;
+        let gradient = self.gradient(closed, by_block);
+        let id = Id { target, of: Of::Smooth };
+        Some(SmoothPiece { role: wanted.role, value: norm.ln() - wanted.unit, gradient, id })
+    }
+
+    fn eigenvalue_pieces(&self, target: usize, closed: &Closed) -> Option<Vec<SmoothPiece<Id>>> {
+        let wanted = &self.wanted[target];
+        self.counters.eigenproblems.fetch_add(1, Relaxed);
+        let spectrum = Spectrum::new(&closed.a)?;
+        let mut all: Vec<(f64, usize)> = (0..spectrum.values.len())
+            .filter(|k| spectrum.values[*k].im >= 0.0)
+            .map(|k| (self.eigenvalue_height(wanted, spectrum.values[k]), k))
+            .collect();
+        all.sort_by(|a, b| b.0.total_cmp(&a.0));
+        let top = all.first()?.0;
+        let near = all.iter().take_while(|(h, _)| *h >= top - BESIDE).take(MOST_EIGENVALUES);
+        let pieces = near.filter_map(|(_, k)| self.eigenvalue_piece(target, closed, &spectrum, *k));
+        Some(pieces.collect())
+    }
+
+    fn eigenvalue_height(&self, wanted: &Wanted, value: C64) -> f64 {
+        match (&wanted.kind, wanted.role) {
+            (Kind::Radius, _) => value.norm().max(f64::MIN_POSITIVE).ln() - wanted.unit,
+            (_, Role::Goal) => value.re / wanted.unit,
+            _ => (value.re - wanted.unit) / self.scales.pace,
+        }
+    }
+
+    fn eigenvalue_piece(
+        &self,
+        target: usize,
+        closed: &Closed,
+        spectrum: &Spectrum,
+        k: usize,
+    ) -> Option<SmoothPiece<Id>> {
+        let wanted = &self.wanted[target];
+        let value = spectrum.values[k];
+        let along = match (&wanted.kind, wanted.role) {
+            (Kind::Radius, _) => value.conj() / value.norm_sqr().max(f64::MIN_POSITIVE),
+            (_, Role::Goal) => C64::new(1.0 / wanted.unit, 0.0),
+            _ => C64::new(1.0 / self.scales.pace, 0.0),
+        };
+        let by_block = spectrum.derivative(k, &self.opens[wanted.plant], self.structure.order(), along)?;
+        let gradient = self.gradient(closed, by_block);
+        let id = Id { target, of: Of::Eigenvalue(value) };
+        Some(SmoothPiece { role: wanted.role, value: self.eigenvalue_height(wanted, value), gradient, id })
+    }
+
+    /// Wants as they are at x: the largest over their pieces, as norms and rad/s.
+    pub fn values(&self, pieces: &[SmoothPiece<Id>]) -> Vec<f64> {
+        let mut values = vec![f64::NEG_INFINITY; self.wanted.len()];
+        for p in pieces {
+            values[p.id.target] = values[p.id.target].max(p.value);
+        }
+        values
+    }
+}
+
+impl Pieces for Problem {
+    type Id = Id;
+
+    fn dimension(&self) -> usize {
+        self.free.len()
+    }
+
+    fn pieces(&self, x: &[f64]) -> Option<Vec<SmoothPiece<Id>>> {
+        let block = self.block(x);
+        let mut out = Vec::new();
+        for plant in 0..self.opens.len() {
+            self.of_plant(plant, &block, &mut out)?;
+        }
+        Some(out)
+    }
+
+    fn again(&self, ids: &[&Id], x: &[f64]) -> Vec<SmoothPiece<Id>> {
+        let block = self.block(x);
+        let mut out = Vec::new();
+        for plant in 0..self.opens.len() {
+            let here: Vec<&&Id> = ids.iter().filter(|id| self.wanted[id.target].plant == plant).collect();
+            if here.is_empty() {
+                continue;
+            }
+            let Some(closed) = self.close(plant, &block) else { continue };
+            let mut resolvent = Resolvent::new(&self.opens[plant], &closed, self.structure.order());
+            let mut spectrum = None;
+            for id in here {
+                match &id.of {
+                    Of::Peak { .. } => out.extend(self.peak_piece(&mut resolvent, &closed, (*id).clone())),
+                    Of::Smooth => out.extend(self.h2_piece(id.target, &closed)),
+                    Of::Eigenvalue(value) => {
+                        if spectrum.is_none() {
+                            spectrum = Spectrum::new(&closed.a);
+                        }
+                        let Some(s) = &spectrum else { continue };
+                        let k = s.nearest(*value);
+                        out.extend(k.and_then(|k| self.eigenvalue_piece(id.target, &closed, s, k)));
+                    }
+                }
+            }
+            self.counters.factorisations.fetch_add(resolvent.counted, Relaxed);
+        }
+        out
+    }
+
+    fn apart(&self, one: &Id, other: &Id) -> Option<f64> {
+        if one.target != other.target {
+            return None;
+        }
+        match (&one.of, &other.of) {
+            (Of::Smooth, Of::Smooth) => Some(0.0),
+            (Of::Eigenvalue(a), Of::Eigenvalue(b)) => {
+                Some((a - b).norm() / a.norm().max(b.norm()).max(1e-300))
+            }
+            (Of::Peak { omega: a, u: p, .. }, Of::Peak { omega: b, u: q, .. }) => {
+                let norm = |z: &[C64]| z.iter().map(|z| z.norm_sqr()).sum::<f64>().sqrt();
+                let along = p.iter().zip(q).map(|(p, q)| p.conj() * q).sum::<C64>() / (norm(p) * norm(q));
+                let ratio = match (*a, *b) {
+                    (a, b) if a == b => 0.0,
+                    (a, b) if a == 0.0 || b == 0.0 || a.is_infinite() || b.is_infinite() => f64::INFINITY,
+                    (a, b) => (a / b).ln().abs(),
+                };
+                Some(ratio + (1.0 - along.norm()).max(0.0))
+            }
+            _ => None,
+        }
+    }
+}
