@@ -15,7 +15,11 @@ const LEARNT: usize = 6;
 /// Learnt pieces are forgotten after so many steps without weight.
 const FORGOTTEN: usize = 8;
 /// Learnt pieces at most.
-const MOST_LEARNT: usize = 60;
+const MOST_LEARNT: usize = 30;
+/// Pieces of the goal, and of the bounds, in a model at most.
+const MOST_PIECES: usize = 18;
+/// Touching planes in a model at most.
+const MOST_CUTS: usize = 12;
 /// Pieces apart by more than this are not the same one after a step.
 const SAME: f64 = 0.4;
 /// The penalty grows by this while bounds are exceeded, to at most the next.
@@ -23,6 +27,14 @@ const STIFFER: f64 = 4.0;
 const STIFFEST: f64 = 1e7;
 /// The bounds' excess that does not matter.
 const MET: f64 = 1e-9;
+/// After a failed step the model's matrix counts by this share.
+const SHORTER: f64 = 0.5;
+/// Failed steps in a row, at most.
+const MOST_TRIES: usize = 30;
+/// Steps over which the merit has to fall by more than the tolerance.
+const PATIENCE: usize = 30;
+/// This many times.
+const SLOW: f64 = 30.0;
 /// The share of the matrix's curvature that a step must show, or it is mixed with the old one (Powell's damping).
 const DAMPED: f64 = 0.2;
 
@@ -98,16 +110,34 @@ pub fn minimize<P: Pieces>(problem: &P, x: &[f64], settings: &BundleSettings) ->
         learnt: Vec::new(),
         penalty: settings.penalty,
         radius: settings.longest * (1.0 + dot(x, x).sqrt()),
+        trust: 1.0,
         evaluations: 1,
         x: x.to_vec(),
         pieces,
     };
     let (mut end, mut iterations, mut confirmed) = (BundleEnd::Budget, 0, 0);
     let mut last = None;
+    let (mut history, mut slow) = (vec![state.merit()], 0);
     while iterations < settings.iterations && state.evaluations < settings.evaluations {
         iterations += 1;
         match state.advance() {
-            Advance::Moved => confirmed = 0,
+            Advance::Moved => {
+                let now = state.merit();
+                if history.last().is_some_and(|before| before - now > settings.tolerance) {
+                    confirmed = 0;
+                }
+                history.push(now);
+                let before = history.len().checked_sub(PATIENCE).map(|k| history[k]);
+                if before.is_some_and(|before| before - now < SLOW * settings.tolerance) {
+                    slow += 1;
+                    if slow == 2 {
+                        end = BundleEnd::NoStep;
+                        break;
+                    }
+                    history = vec![now];
+                    state.forget_curvature();
+                }
+            }
             Advance::Flat(weights) => {
                 last = Some(weights);
                 confirmed += 1;
@@ -165,48 +195,77 @@ struct State<'a, P: Pieces> {
     learnt: Vec<Learnt<P::Id>>,
     penalty: f64,
     radius: f64,
+    /// The share of the matrix that the model uses: less after failures.
+    trust: f64,
     evaluations: usize,
     x: Vec<f64>,
     pieces: Vec<SmoothPiece<P::Id>>,
 }
 
 impl<P: Pieces> State<'_, P> {
-    /// One step, with all its tries.
+    /// One step, with all its tries: where one fails, pieces are learnt, planes that touch the functions there join the
+    /// model, and the matrix is trusted less.
     fn advance(&mut self) -> Advance<P::Id> {
+        let size = 1.0 + dot(&self.x, &self.x).sqrt();
+        let mut cuts: Vec<SmoothPiece<P::Id>> = Vec::new();
         let mut tries = 0;
-        let mut shorter = 1.0;
         loop {
-            let known = self.bundle();
+            let mut known = self.bundle();
+            known.extend(cuts.iter().cloned());
             let Some(model) = self.model(&known) else { return Advance::Stuck };
             self.remember(&known, &model);
-            if model.decrease <= self.settings.tolerance {
+            // of a matrix that counts by a share, a share of the decrease
+            if model.decrease <= self.settings.tolerance * self.trust {
                 let weights = known.into_iter().zip(model.weights).filter(|(_, w)| *w > 1e-6).collect();
                 return Advance::Flat(weights);
             }
             let length = dot(&model.direction, &model.direction).sqrt();
-            let t = (shorter * self.radius / length).min(1.0);
-            if t * length < 1e-13 * (1.0 + dot(&self.x, &self.x).sqrt()) {
+            if length > self.radius {
+                self.trust *= 0.9 * self.radius / length;
+                continue;
+            }
+            if length < 1e-13 * size || model.decrease < 1e-14 {
                 return Advance::Stuck;
             }
-            match self.tried(&model, t) {
+            match self.tried(&model, 1.0) {
                 Ok((next, pieces, t)) => {
                     self.move_to(&known, &model, t, next, pieces);
+                    self.trust = if tries == 0 { (4.0 * self.trust).min(1.0) } else { self.trust };
                     return Advance::Moved;
                 }
                 Err(there) => {
                     tries += 1;
-                    // shorter than what failed; after pieces were learnt not by much
-                    let factor = if there.is_some() && tries <= 3 { 0.5 } else { 0.2 };
-                    shorter = factor * t * length / self.radius;
+                    self.trust *= if there.is_none() { 0.1 } else { SHORTER };
                     if let Some(there) = there {
+                        self.cut(&there, &model.direction, &mut cuts);
                         self.learn(there);
                     }
-                    if tries > 40 || self.evaluations >= self.settings.evaluations {
+                    if tries > MOST_TRIES || self.evaluations >= self.settings.evaluations {
                         return Advance::Stuck;
                     }
                 }
             }
         }
+    }
+
+    /// The planes that touch the highest pieces at x + d, as they are at x; no higher there than the functions.
+    fn cut(&self, there: &[SmoothPiece<P::Id>], d: &[f64], cuts: &mut Vec<SmoothPiece<P::Id>>) {
+        let (f, c) = levels(&self.pieces);
+        let (high, excess) = levels(there);
+        for p in there {
+            let (top, here) = if p.role == Role::Goal { (high, f) } else { (excess.max(0.0), c) };
+            if p.value < top - 1e-9 - 0.1 * (top - here).abs() {
+                continue;
+            }
+            let value = (p.value - dot(&p.gradient, d)).min(here);
+            cuts.push(SmoothPiece { value, ..p.clone() });
+        }
+        let excess = cuts.len().saturating_sub(MOST_CUTS);
+        cuts.drain(..excess);
+    }
+
+    fn merit(&self) -> f64 {
+        merit(&self.pieces, self.penalty)
     }
 
     /// All pieces of the model.
@@ -215,6 +274,20 @@ impl<P: Pieces> State<'_, P> {
         let mut known = self.pieces.clone();
         if !ids.is_empty() {
             known.extend(self.problem.again(&ids, &self.x));
+        }
+        self.highest(known)
+    }
+
+    /// As many of the pieces as a model is worth, the highest of goal and of bounds.
+    fn highest(&self, mut known: Vec<SmoothPiece<P::Id>>) -> Vec<SmoothPiece<P::Id>> {
+        for goal in [true, false] {
+            let is_of = |p: &SmoothPiece<P::Id>| (p.role == Role::Goal) == goal;
+            let mut values: Vec<f64> = known.iter().filter(|p| is_of(p)).map(|p| p.value).collect();
+            if values.len() > MOST_PIECES {
+                values.sort_by(|a, b| b.total_cmp(a));
+                let least = values[MOST_PIECES - 1];
+                known.retain(|p| !is_of(p) || p.value >= least);
+            }
         }
         known
     }
@@ -226,7 +299,8 @@ impl<P: Pieces> State<'_, P> {
         }
         let now = levels(known).1;
         loop {
-            let model = step(known, &self.w, self.penalty)?;
+            let w: Vec<f64> = self.w.iter().map(|v| self.trust * v).collect();
+            let model = step(known, &w, self.penalty)?;
             // all of the penalty is used, and bounds are still exceeded, more than a step may leave them
             let exceeded = model.violation > MET && model.violation > 0.5 * now && model.slack < 1e-6;
             if !exceeded || self.penalty >= STIFFEST || levels(known).0 == f64::NEG_INFINITY {
@@ -295,30 +369,32 @@ impl<P: Pieces> State<'_, P> {
     ) {
         let n = self.x.len();
         let held: Vec<usize> = (0..known.len()).filter(|i| model.weights[*i] > 1e-6).collect();
-        let nearest = |i: usize| -> Option<&SmoothPiece<P::Id>> {
-            pieces
+        let nearest = |i: usize, among: &[SmoothPiece<P::Id>]| -> Option<Vec<f64>> {
+            among
                 .iter()
                 .filter(|p| p.role == known[i].role)
                 .filter_map(|p| Some((self.problem.apart(&known[i].id, &p.id)?, p)))
                 .filter(|(d, _)| *d < SAME)
                 .min_by(|a, b| a.0.total_cmp(&b.0))
-                .map(|(_, p)| p)
+                .map(|(_, p)| p.gradient.clone())
         };
         let mut y = vec![0.0; n];
         for i in held {
-            let now = match nearest(i) {
-                Some(p) => Some(p.gradient.clone()),
-                None => self.problem.again(&[&known[i].id], &next).pop().map(|p| p.gradient),
+            // the peak that moves with x; a piece that is near none by itself
+            let change = match (nearest(i, &self.pieces), nearest(i, &pieces)) {
+                (Some(before), Some(after)) => Some((before, after)),
+                _ => {
+                    let alone = |x: &[f64]| self.problem.again(&[&known[i].id], x).pop().map(|p| p.gradient);
+                    alone(&self.x).zip(alone(&next))
+                }
             };
-            let Some(now) = now else { continue };
+            let Some((before, after)) = change else { continue };
             let weight = model.weights[i];
-            y.iter_mut()
-                .zip(now.iter().zip(&known[i].gradient))
-                .for_each(|(y, (a, b))| *y += weight * (a - b));
+            y.iter_mut().zip(after.iter().zip(&before)).for_each(|(y, (a, b))| *y += weight * (a - b));
         }
         let s: Vec<f64> = next.iter().zip(&self.x).map(|(a, b)| a - b).collect();
-        // H s of a step t d is −t Σ weight · gradient
-        let hs: Vec<f64> = model.slope.iter().map(|v| -t * v).collect();
+        // H s of a step t d is −t Σ weight · gradient / trust
+        let hs: Vec<f64> = model.slope.iter().map(|v| -t * v / self.trust).collect();
         let (shs, sy) = (dot(&s, &hs), dot(&s, &y));
         if self.fresh && sy > DAMPED * 1e-3 * shs {
             let scale = sy / dot(&y, &y);
@@ -365,7 +441,7 @@ impl<P: Pieces> State<'_, P> {
         for l in &mut self.learnt {
             l.idle += 1;
         }
-        for (p, w) in known.iter().zip(&model.weights).skip(self.pieces.len()) {
+        for (p, w) in known.iter().zip(&model.weights) {
             if *w > 1e-8 {
                 for l in &mut self.learnt {
                     if self.problem.apart(&l.id, &p.id) == Some(0.0) {
@@ -378,6 +454,7 @@ impl<P: Pieces> State<'_, P> {
     }
 
     fn forget_curvature(&mut self) {
+        self.trust = 1.0;
         self.w = Vec::new();
         self.fresh = true;
     }

@@ -3,7 +3,7 @@
 /// Steps at most: 10 to 25 are usual.
 const MOST_STEPS: usize = 60;
 /// The gap at the end, as a share of the data's size.
-const GAP: f64 = 1e-14;
+const GAP: f64 = 1e-13;
 /// How much of the way to the boundary a step goes.
 const TO_BOUNDARY: f64 = 0.995;
 

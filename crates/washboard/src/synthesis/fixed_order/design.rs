@@ -1,18 +1,16 @@
 //! A controller of given order: many starts, a local search from each, the best one verified.
 
 use super::problem::{Id, Of, Problem};
-use super::search::{Led, better, from, further};
+use super::search::{Led, MET, as_it_is, better, from, further};
 use super::structure::{Entry, Structure, controller_of};
 use super::targets::{Aim, Measure, Target};
-use super::{starts, verify};
+use super::{full_order, starts, verify};
 use crate::lti::{Continuous, GeneralizedPlant, LtiError, StateSpace};
 use crate::optimize::{BundleEnd, BundleResult, BundleSettings, Pieces, Sampled, sampled_subdifferential};
 use crate::synthesis::SynthesisError;
 use rayon::prelude::*;
 use std::sync::atomic::Ordering::Relaxed;
 
-/// A bound may be exceeded by this share.
-const MET: f64 = 1e-6;
 /// Bounds are aimed at this much below themselves.
 const BELOW: f64 = 1e-7;
 /// The search's value of a norm may be below the verified one by this share, or its frequency is added and the search
@@ -24,6 +22,11 @@ const ROUNDS: usize = 6;
 const KEPT: usize = 3;
 /// Steps of the first search from each start.
 const SHORT: usize = 40;
+/// Steps of a search from a shaken result.
+const MEDIUM: usize = 80;
+/// Rounds of shaking without a gain of [`GAIN`] (in ln) that end it.
+const VAIN: usize = 6;
+const GAIN: f64 = 2e-5;
 /// The ball around the result in which gradients are sampled.
 const RADIUS: f64 = 1e-4;
 
@@ -156,16 +159,16 @@ pub fn fixed_order(
 ) -> Result<FixedOrderEnd, SynthesisError> {
     check(asked)?;
     let mut given = asked.starts.clone();
+    given.extend(full_order::controllers(&asked.plants, &asked.targets));
     let order = asked.structure.order();
     let mut work = FixedOrderWork::default();
     if settings.lower_orders && asked.structure.is_full() {
         for lower in 0..order {
             let s = &asked.structure;
             let structure = Structure::full(lower, s.controls(), s.measurements());
-            let starts = given.iter().filter(|k| k.order() <= lower).cloned().collect();
+            let starts = given.clone();
             let less = FixedOrder { structure, starts, ..asked.clone() };
-            let few = FixedOrderSettings { tries: settings.tries.min(4), lower_orders: false, ..*settings };
-            let found = one_order(&less, &few)?;
+            let found = one_order(&less, settings)?;
             work.add(found.1);
             if let FixedOrderEnd::Designed(d) | FixedOrderEnd::BoundsNotMet(d) = found.0 {
                 given.push(d.controller);
@@ -267,18 +270,19 @@ fn one_order(
         return Ok((FixedOrderEnd::NotStabilised { abscissa: least }, work));
     }
     sort(&mut results);
-    results.truncate(KEPT);
+    results.truncate(KEPT.max(settings.tries / 6));
     let long = BundleSettings {
         iterations: settings.iterations,
         evaluations: 6 * settings.iterations,
         tolerance: settings.tolerance,
         ..BundleSettings::default()
     };
-    results = results.into_par_iter().map(|r| minimize_further(&problem, r, &long)).collect();
+    results = results.into_par_iter().map(|r| further(&problem, &r, &long)).collect();
     sort(&mut results);
-    let Some(mut best) = results.into_iter().next() else {
+    let Some(first) = results.first().cloned() else {
         return Ok((FixedOrderEnd::NotStabilised { abscissa: least }, work));
     };
+    let mut best = shaken(&problem, first, settings, &long);
     let mut found = verified(asked, &problem, &best)?;
     for _ in 0..ROUNDS {
         let missed: Vec<f64> = missed(asked, &problem, &best, &found.1);
@@ -286,11 +290,14 @@ fn one_order(
             break;
         }
         problem.frequencies.extend(missed);
-        if let Some(again) =
-            further(&problem, &BundleResult { end: BundleEnd::Budget, ..best.clone() }, &long)
-        {
-            best = again;
-        }
+        // all that was found, as it is now that these are looked at
+        results.push(best);
+        results = results.iter().filter_map(|r| as_it_is(&problem, &r.x, r.penalty)).collect();
+        sort(&mut results);
+        let Some(first) = results.first() else {
+            return Ok((FixedOrderEnd::NotStabilised { abscissa: least }, work));
+        };
+        best = further(&problem, first, &long);
         found = verified(asked, &problem, &best)?;
     }
     let (controller, values) = found;
@@ -304,9 +311,40 @@ fn one_order(
     Ok((end, work))
 }
 
-fn minimize_further(problem: &Problem, r: BundleResult<Id>, long: &BundleSettings) -> BundleResult<Id> {
-    let again = BundleResult { end: BundleEnd::Budget, ..r };
-    further(problem, &again, long).unwrap_or(again)
+/// A result shaken and searched from again, for as long as that gains.
+fn shaken(
+    problem: &Problem,
+    mut best: BundleResult<Id>,
+    settings: &FixedOrderSettings,
+    long: &BundleSettings,
+) -> BundleResult<Id> {
+    let mut vain = 0;
+    for round in 0..settings.tries {
+        let places = starts::around(&best.x, settings.seed + 7919 * (round as u64 + 1));
+        let medium = BundleSettings {
+            iterations: MEDIUM.min(long.iterations),
+            evaluations: 4 * MEDIUM,
+            tolerance: 1e-5,
+            penalty: best.penalty,
+            ..BundleSettings::default()
+        };
+        let led: Vec<Led> = places.par_iter().map(|x| from(problem, x, &medium)).collect();
+        let mut new: Vec<BundleResult<Id>> =
+            led.into_iter().filter_map(|l| if let Led::To(r) = l { Some(*r) } else { None }).collect();
+        sort(&mut new);
+        let before = best.goal;
+        if let Some(r) = new.into_iter().next().filter(|r| better(r, &best, MET)) {
+            let r = further(problem, &r, long);
+            if better(&r, &best, MET) {
+                best = r;
+            }
+        }
+        vain = if before - best.goal > GAIN { 0 } else { vain + 1 };
+        if vain == VAIN {
+            break;
+        }
+    }
+    best
 }
 
 fn sort(results: &mut [BundleResult<Id>]) {

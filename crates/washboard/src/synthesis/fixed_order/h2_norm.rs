@@ -37,14 +37,10 @@ pub(super) fn h2_norm(open: &Open, closed: &Closed, channel: &Channel, order: us
     if !(squared > 0.0 && squared.is_finite()) {
         return None;
     }
-    let n = closed.a.nrows();
-    let np = n - order;
     let (nu, ny) = (open.b2.ncols(), open.c2.nrows());
-    // of the extended plant: B₂ = [0 B₂; I 0], C₂ = [0 I; C₂ 0], D₂₁ = [0; D₂₁], D₁₂ = [0 D₁₂]
-    let one = Mat::identity(order, order);
+    let (b2, c2) = extended(open, order);
+    // D₂₁ = [0; D₂₁], D₁₂ = [0 D₁₂]
     let zero = |r: usize, c: usize| Mat::zeros(r, c);
-    let b2 = blocks(&[&[&zero(np, order), &open.b2], &[&one, &zero(order, nu)]]);
-    let c2 = blocks(&[&[&zero(order, np), &one], &[&open.c2, &zero(ny, order)]]);
     let d21 = blocks(&[&[&zero(order, columns.len())], &[&picked(&open.d21)]]);
     let d12 = blocks(&[&[&zero(c.nrows(), order), &d12]]);
     let inner = &q * &p * c2.transpose() + &q * &b * d21.transpose();
@@ -52,4 +48,31 @@ pub(super) fn h2_norm(open: &Open, closed: &Closed, channel: &Channel, order: us
     debug_assert_eq!((g.nrows(), g.ncols()), (order + nu, order + ny));
     let g = cut(&g, 0, 0, order + nu, order + ny) * faer::Scale(1.0 / squared);
     Some((squared.sqrt(), g))
+}
+
+/// Of the extended plant, B₂ = [0 B₂; I 0] and C₂ = [0 I; C₂ 0].
+fn extended(open: &Open, order: usize) -> (Mat, Mat) {
+    let (np, nu, ny) = (open.a.nrows(), open.b2.ncols(), open.c2.nrows());
+    let one = Mat::identity(order, order);
+    let zero = |r: usize, c: usize| Mat::zeros(r, c);
+    (
+        blocks(&[&[&zero(np, order), &open.b2], &[&one, &zero(order, nu)]]),
+        blocks(&[&[&zero(order, np), &one], &[&open.c2, &zero(ny, order)]]),
+    )
+}
+
+/// tr P with (A − γI)P + P(A − γI)ᵀ + I = 0, and what it gains from each entry of the block, 2 B₂ᵀQPC₂ᵀ with
+/// (A − γI)ᵀQ + Q(A − γI) + I = 0. None where A − γI is not stable.
+pub(super) fn moved_resolvent(open: &Open, closed: &Closed, order: usize, shift: f64) -> Option<(f64, Mat)> {
+    let n = closed.a.nrows();
+    let one = Mat::identity(n, n);
+    let a = &closed.a - &one * faer::Scale(shift);
+    let p = lyapunov(&a, &one).ok()?.x;
+    let q = lyapunov(&a.transpose().to_owned(), &one).ok()?.x;
+    let trace: f64 = (0..n).map(|i| p[(i, i)]).sum();
+    if !((0..n).all(|i| p[(i, i)] > 0.0) && trace.is_finite()) {
+        return None;
+    }
+    let (b2, c2) = extended(open, order);
+    Some((trace, b2.transpose() * (&q * &p) * c2.transpose() * faer::Scale(2.0)))
 }

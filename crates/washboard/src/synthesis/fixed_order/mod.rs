@@ -4,6 +4,7 @@
 mod closed;
 mod design;
 mod eigenvalues;
+mod full_order;
 mod h2_norm;
 mod peaks;
 mod problem;

@@ -13,7 +13,7 @@ const MOST: usize = 8;
 /// Places beside the peaks that are as high, within this in ln: a flat top has no peaks.
 const FLAT: f64 = 0.02;
 /// These at most.
-const MOST_FLAT: usize = 12;
+const MOST_FLAT: usize = 6;
 /// Singular values within this share of the largest count.
 const COALESCED: f64 = 0.97;
 /// Frequencies farther apart than this factor get others between.

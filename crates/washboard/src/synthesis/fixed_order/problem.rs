@@ -2,7 +2,7 @@
 
 use super::closed::{Closed, Open};
 use super::eigenvalues::Spectrum;
-use super::h2_norm::h2_norm;
+use super::h2_norm::{h2_norm, moved_resolvent};
 use super::peaks::find;
 use super::resolvent::Resolvent;
 use super::scales::Scales;
@@ -189,6 +189,38 @@ impl Problem {
             }
         }
         worst
+    }
+
+    /// The largest real part over all plants, rad/s.
+    pub fn rightmost(&self, x: &[f64]) -> Option<f64> {
+        let block = self.block(x);
+        let mut worst = f64::NEG_INFINITY;
+        for plant in (0..self.opens.len()).filter(|p| self.stable[*p]) {
+            let closed = self.close(plant, &block)?;
+            self.counters.eigenproblems.fetch_add(1, Relaxed);
+            let values = crate::linalg::RealSchur::only_eigenvalues(&closed.a).ok()?;
+            worst = values.iter().map(|v| v.re).fold(worst, f64::max);
+        }
+        Some(worst)
+    }
+
+    /// ln √tr P of all loops whose poles are moved left by `shift` (rad/s), (A − γI)P + P(A − γI)ᵀ + I = 0: smooth where the
+    /// abscissa is not, and large where that is near the shift. None where a moved loop is not stable.
+    pub fn smoothed(&self, x: &[f64], shift: f64) -> Option<(f64, Vec<f64>)> {
+        let block = self.block(x);
+        let order = self.structure.order();
+        let mut sum = 0.0;
+        let mut gradient = vec![0.0; x.len()];
+        for plant in (0..self.opens.len()).filter(|p| self.stable[*p]) {
+            let closed = self.close(plant, &block)?;
+            self.counters.lyapunov.fetch_add(2, Relaxed);
+            let (squared, by_block) = moved_resolvent(&self.opens[plant], &closed, order, shift)?;
+            sum += squared;
+            let g = self.gradient(&closed, by_block);
+            gradient.iter_mut().zip(&g).for_each(|(a, b)| *a += b);
+        }
+        gradient.iter_mut().for_each(|g| *g /= 2.0 * sum);
+        (sum > 0.0 && sum.is_finite()).then(|| (0.5 * sum.ln(), gradient))
     }
 
     /// Pieces of all wants of a plant; none where its loop is not stable.

@@ -5,6 +5,8 @@ use crate::lti::GeneralizedPlant;
 
 /// Frequencies around the plants' pace at which gains are looked at.
 const POINTS: usize = 25;
+/// A control that moves goals by less than this share of what the others do moves none.
+const SEEN: f64 = 1e-9;
 /// Decades to each side.
 const DECADES: f64 = 1.5;
 
@@ -51,18 +53,27 @@ impl Scales {
                 c.outputs.iter().for_each(|(i, w)| weights[*i] = weights[*i].max(w / unit));
             }
         }
-        let over = |of: &dyn Fn(&crate::linalg::CMat) -> f64| {
+        type Response = crate::linalg::CMat;
+        let over = |of: &dyn Fn(&Response) -> f64| {
             let found: Vec<f64> = responses.iter().map(of).filter(|v| *v > 0.0 && v.is_finite()).collect();
-            mean(&found)
+            if found.is_empty() { 0.0 } else { mean(&found) }
         };
-        let row =
-            |g: &crate::linalg::CMat, i: usize| (0..nw).map(|j| g[(i, j)].norm_sqr()).sum::<f64>().sqrt();
-        let column = |g: &crate::linalg::CMat, j: usize| {
+        let column = |g: &Response, j: usize| {
             (0..nz).map(|i| (weights[i] * g[(i, j)].norm()).powi(2)).sum::<f64>().sqrt()
         };
-        let measurements = (0..plant.ny()).map(|i| over(&|g| row(g, nz + i))).collect();
         let disturbed = over(&|g| (0..nw).map(|j| column(g, j).powi(2)).sum::<f64>().sqrt());
-        let controls = (0..plant.nu()).map(|j| disturbed / over(&|g| column(g, nw + j))).collect();
+        let moved: Vec<f64> = (0..plant.nu()).map(|j| over(&|g| column(g, nw + j))).collect();
+        let most = moved.iter().copied().fold(0.0, f64::max);
+        // a control that moves no goal counts like the others
+        let ratio = |m: f64| if m > SEEN * most && disturbed > 0.0 { disturbed / m } else { 1.0 };
+        let controls: Vec<f64> = moved.iter().map(|m| ratio(*m)).collect();
+        // by disturbances, and by controls of one unit
+        let row = |g: &Response, i: usize| {
+            let by = |j: usize| g[(i, j)].norm() * if j < nw { 1.0 } else { controls[j - nw] };
+            (0..nw + controls.len()).map(|j| by(j).powi(2)).sum::<f64>().sqrt()
+        };
+        let seen: Vec<f64> = (0..plant.ny()).map(|i| over(&|g| row(g, nz + i))).collect();
+        let measurements = seen.iter().map(|v| if *v > 0.0 { *v } else { 1.0 }).collect();
         Scales { pace, measurements, controls }
     }
 

@@ -1,14 +1,19 @@
 //! From a start to a local optimum: into the stable set, then down.
 
 use super::problem::{Id, Problem};
-use crate::optimize::{BfgsSettings, BundleEnd, BundleResult, BundleSettings, bfgs, minimize};
+use crate::optimize::{BfgsSettings, BundleResult, BundleSettings, Pieces, bfgs, minimize};
 
 /// An abscissa below this, in units of the plants' pace, is enough to begin with.
 const STABLE: f64 = -1e-2;
 /// And above this it is not stable.
 const LEAST: f64 = -1e-10;
+/// A bound may be exceeded by this, in ln.
+pub(super) const MET: f64 = 1e-6;
 /// Steps towards the stable set.
-const STABILISE: usize = 400;
+const STABILISE: usize = 150;
+/// Rounds with a smooth function, and steps of one.
+const SMOOTH_ROUNDS: usize = 40;
+const SMOOTH_STEPS: usize = 30;
 
 /// Where a start led.
 #[derive(Debug, Clone)]
@@ -20,25 +25,72 @@ pub(super) enum Led {
 
 /// One start.
 pub(super) fn from(problem: &Problem, x: &[f64], settings: &BundleSettings) -> Led {
-    use crate::optimize::Pieces;
     let mut x = x.to_vec();
     let mut abscissa = f64::INFINITY;
     if problem.pieces(&x).is_none() {
-        let least = -problem.margin / problem.scales.pace;
-        let wanted = BfgsSettings { iterations: STABILISE, enough: STABLE + 1.5 * least, flat: 1e-12 };
-        let Some(found) = bfgs(&x, &wanted, |x| problem.abscissa(x)) else {
-            return Led::Unstable(abscissa);
+        (x, abscissa) = match stabilised(problem, &x) {
+            Ok(stable) => stable,
+            Err(least) => return Led::Unstable(least),
         };
-        abscissa = found.value * problem.scales.pace;
-        if !(found.value < LEAST + least) {
-            return Led::Unstable(abscissa);
-        }
-        x = found.x;
     }
     match minimize(problem, &x, settings) {
-        Some(found) => Led::To(Box::new(found)),
+        Some(found) => Led::To(Box::new(not_worse(problem, found, &x, settings.penalty))),
         None => Led::Unstable(abscissa),
     }
+}
+
+/// A point with a stable loop and its abscissa, rad/s, or the least abscissa found.
+fn stabilised(problem: &Problem, x: &[f64]) -> Result<(Vec<f64>, f64), f64> {
+    let pace = problem.scales.pace;
+    let wanted = STABLE - 1.5 * problem.margin / pace;
+    let enough = |value: f64| value < LEAST - problem.margin / pace;
+    let settings = BfgsSettings { iterations: STABILISE, enough: wanted, flat: 1e-12 };
+    let mut best = (x.to_vec(), f64::INFINITY);
+    if let Some(found) = bfgs(x, &settings, |x| problem.abscissa(x)) {
+        if enough(found.value) {
+            return Ok((found.x, found.value * pace));
+        }
+        best = (found.x, found.value);
+    }
+    // where eigenvalues meet the abscissa has no slope to follow: a smooth function that is large near it has
+    for from in [x.to_vec(), best.0.clone()] {
+        let mut x = from;
+        let mut room = 1.0;
+        for _ in 0..SMOOTH_ROUNDS {
+            let Some(now) = problem.rightmost(&x).map(|v| v / pace) else { break };
+            if now < best.1 {
+                best = (x.clone(), now);
+            }
+            if enough(now) {
+                return Ok((x, now * pace));
+            }
+            let shift = (now + room) * pace;
+            let settings = BfgsSettings { iterations: SMOOTH_STEPS, enough: f64::NEG_INFINITY, flat: 1e-6 };
+            let Some(found) = bfgs(&x, &settings, |x| problem.smoothed(x, shift)) else { break };
+            let then = problem.rightmost(&found.x).map_or(f64::INFINITY, |v| v / pace);
+            if now - then < 0.1 * room {
+                room *= 0.3;
+            }
+            if room < 1e-5 {
+                break;
+            }
+            x = found.x;
+        }
+    }
+    Err(best.1 * pace)
+}
+
+/// What was found, or where it was begun if that is better: a penalty may trade bounds for the goal.
+fn not_worse(problem: &Problem, found: BundleResult<Id>, x: &[f64], penalty: f64) -> BundleResult<Id> {
+    match as_it_is(problem, x, penalty) {
+        Some(begun) if better(&begun, &found, MET) => begun,
+        _ => found,
+    }
+}
+
+/// A point as a result, no step made.
+pub(super) fn as_it_is(problem: &Problem, x: &[f64], penalty: f64) -> Option<BundleResult<Id>> {
+    minimize(problem, x, &BundleSettings { iterations: 0, penalty, ..BundleSettings::default() })
 }
 
 /// Whether one result is better than another: bounds first, then the goal.
@@ -56,9 +108,10 @@ pub(super) fn further(
     problem: &Problem,
     from: &BundleResult<Id>,
     settings: &BundleSettings,
-) -> Option<BundleResult<Id>> {
-    if from.end == BundleEnd::Converged {
-        return None;
+) -> BundleResult<Id> {
+    let settings = BundleSettings { penalty: from.penalty, ..*settings };
+    match minimize(problem, &from.x, &settings) {
+        Some(found) if !better(from, &found, MET) => found,
+        _ => from.clone(),
     }
-    minimize(problem, &from.x, &BundleSettings { penalty: from.penalty, ..*settings })
 }

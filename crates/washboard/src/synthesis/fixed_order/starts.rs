@@ -11,6 +11,11 @@ use rand_distr::{Distribution, StandardNormal};
 /// Sizes of random starts.
 const SIZES: [f64; 4] = [0.3, 1.0, 0.1, 3.0];
 
+/// Decades, a standard deviation.
+const SPREAD: f64 = 1.0;
+/// How far a result is shaken, as a share of each number.
+const SHAKES: [f64; 8] = [0.03, 0.1, 0.3, 1.0, 0.05, 0.2, 0.5, 2.0];
+
 /// No gain at all; the controller's own poles at the pace of the plants, apart from each other.
 pub(super) fn silent(problem: &Problem) -> Vec<f64> {
     let s = &problem.structure;
@@ -27,11 +32,31 @@ pub(super) fn random(problem: &Problem, count: usize, seed: u64) -> Vec<Vec<f64>
             let mut rng = ChaCha8Rng::seed_from_u64(seed.wrapping_mul(0x9e37_79b9).wrapping_add(k as u64));
             let mut x = silent(problem);
             let size = SIZES[k % SIZES.len()];
+            // every other start has numbers of all sizes: of some plants the units say little
+            let spread = if k % 8 < 4 { 0.0 } else { SPREAD };
             for v in &mut x {
                 let z: f64 = StandardNormal.sample(&mut rng);
-                *v += size * z;
+                let decades: f64 = StandardNormal.sample(&mut rng);
+                *v += size * 10f64.powf(spread * decades) * z;
             }
             x
+        })
+        .collect()
+}
+
+/// Places around a result, from near to far.
+pub(super) fn around(x: &[f64], seed: u64) -> Vec<Vec<f64>> {
+    let size = (x.iter().map(|v| v * v).sum::<f64>() / x.len().max(1) as f64).sqrt();
+    SHAKES
+        .iter()
+        .enumerate()
+        .map(|(k, shake)| {
+            let mut rng = ChaCha8Rng::seed_from_u64(seed.wrapping_mul(0x517c_c1b7).wrapping_add(k as u64));
+            let moved = |v: &f64| {
+                let z: f64 = StandardNormal.sample(&mut rng);
+                v + shake * z * (v.abs() + 0.1 * size)
+            };
+            x.iter().map(moved).collect()
         })
         .collect()
 }
