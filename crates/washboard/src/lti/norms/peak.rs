@@ -16,11 +16,13 @@ const GOLDEN: f64 = 0.381_966_011_250_105;
 pub(crate) struct Gain<F: Fn(f64) -> Result<CMat, LtiError>> {
     response: F,
     pub evaluations: usize,
+    /// Two steps of a parabola that gain less than this share of the height end a climb.
+    pub flat: f64,
 }
 
 impl<F: Fn(f64) -> Result<CMat, LtiError>> Gain<F> {
     pub fn new(response: F) -> Self {
-        Gain { response, evaluations: 0 }
+        Gain { response, evaluations: 0, flat: FLAT }
     }
 
     /// At a frequency; +∞ on a pole.
@@ -51,7 +53,7 @@ impl<F: Fn(f64) -> Result<CMat, LtiError>> Gain<F> {
             let before = bracket.best.1;
             let value = self.at(u);
             bracket.take((u, value));
-            flat = if parabola && (value - before).abs() <= FLAT * before { flat + 1 } else { 0 };
+            flat = if parabola && (value - before).abs() <= self.flat * before { flat + 1 } else { 0 };
             if flat == 2 || bracket.best.1 == f64::INFINITY {
                 break;
             }

@@ -30,17 +30,20 @@ pub(super) struct Closed {
 }
 
 impl Open {
-    pub fn of(plant: &GeneralizedPlant) -> Self {
+    /// With the performances and disturbances that are asked about.
+    pub fn of(plant: &GeneralizedPlant, outputs: &[usize], disturbances: &[usize]) -> Self {
         let d22 = plant.d22();
+        let rows = |m: &Mat| Mat::from_fn(outputs.len(), m.ncols(), |i, j| m[(outputs[i], j)]);
+        let columns = |m: &Mat| Mat::from_fn(m.nrows(), disturbances.len(), |i, j| m[(i, disturbances[j])]);
         Open {
             a: plant.a().clone(),
-            b1: plant.b1(),
+            b1: columns(&plant.b1()),
             b2: plant.b2(),
-            c1: plant.c1(),
+            c1: rows(&plant.c1()),
             c2: plant.c2(),
-            d11: plant.d11(),
-            d12: plant.d12(),
-            d21: plant.d21(),
+            d11: columns(&rows(&plant.d11())),
+            d12: rows(&plant.d12()),
+            d21: columns(&plant.d21()),
             through: d22.norm_max() > 0.0,
             d22,
         }

@@ -242,7 +242,7 @@ fn one_order(
         Problem::new(&asked.plants, &aimed, structure, limits, asked.margin_rad_s, &asked.frequencies_rad_s);
     let mut begun: Vec<Vec<f64>> = Vec::new();
     for (k, given) in asked.starts.iter().enumerate() {
-        begun.extend(starts::fitted(&problem, given, settings.seed + k as u64));
+        begun.extend(starts::fitted(&problem, given, settings.seed.wrapping_add(k as u64)));
     }
     begun.push(starts::silent(&problem));
     begun.extend(starts::random(&problem, settings.tries, settings.seed));
@@ -320,7 +320,7 @@ fn shaken(
 ) -> BundleResult<Id> {
     let mut vain = 0;
     for round in 0..settings.tries {
-        let places = starts::around(&best.x, settings.seed + 7919 * (round as u64 + 1));
+        let places = starts::around(&best.x, settings.seed.wrapping_add(7919 * (round as u64 + 1)));
         let medium = BundleSettings {
             iterations: MEDIUM.min(long.iterations),
             evaluations: 4 * MEDIUM,

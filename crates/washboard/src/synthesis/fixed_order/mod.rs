@@ -6,6 +6,7 @@ mod design;
 mod eigenvalues;
 mod full_order;
 mod h2_norm;
+mod hessenberg;
 mod peaks;
 mod problem;
 mod resolvent;

@@ -8,6 +8,12 @@ use crate::lti::norms::peak::{Gain, largest_singular_value};
 
 /// Peaks count that are within this of the highest, in ln.
 const NEAR: f64 = 0.4;
+/// Peaks are climbed that are within this of the highest, in ln; others count as they were met.
+const CLIMBED: f64 = 0.15;
+/// A bound farther below its limit than this, in ln, is looked at at its highest place alone.
+const ROOM: f64 = 0.4;
+/// A climb ends where it gains less than this share.
+const LEVEL: f64 = 1e-9;
 /// Peaks of one channel at most.
 const MOST: usize = 8;
 /// Places beside the peaks that are as high, within this in ln: a flat top has no peaks.
@@ -29,10 +35,10 @@ pub(super) struct Peak {
     pub v: Vec<C64>,
 }
 
-/// Of each channel (target, channel, ln of its unit) the places that matter. None where a pole stands on the axis.
+/// Of each channel (target, channel, ln of its unit, whether that is a bound) the places that matter. None where a pole stands on the axis.
 pub(super) fn find(
     resolvent: &mut Resolvent,
-    channels: &[(usize, &Channel, f64)],
+    channels: &[(usize, &Channel, f64, bool)],
     poles: &[C64],
     more: &[f64],
 ) -> Option<Vec<(usize, Vec<Peak>)>> {
@@ -44,13 +50,13 @@ pub(super) fn find(
         if !resolvent.response(*omega, &mut t) {
             return None;
         }
-        for (c, (_, channel, unit)) in channels.iter().enumerate() {
+        for (c, (_, channel, unit, _)) in channels.iter().enumerate() {
             heights[c][k] = largest_singular_value(&part(&t, m, channel)).ln() - unit;
         }
     }
     let top = heights.iter().flatten().copied().fold(f64::NEG_INFINITY, f64::max);
     let mut found = Vec::new();
-    for (c, (target, channel, _)) in channels.iter().enumerate() {
+    for (c, (target, channel, unit, is_bound)) in channels.iter().enumerate() {
         let h = &heights[c];
         // a bound counts near its limit, a goal near the highest
         let own = h.iter().copied().fold(f64::NEG_INFINITY, f64::max);
@@ -61,15 +67,22 @@ pub(super) fn find(
             })
             .collect();
         tops.sort_by(|a, b| h[*b].total_cmp(&h[*a]));
-        tops.truncate(MOST);
+        // far below its limit a bound needs no more than to be seen
+        let seen = *is_bound && own < -ROOM;
+        tops.truncate(if seen { 1 } else { MOST });
         let mut places: Vec<(f64, f64)> = Vec::new();
         for k in &tops {
-            places.push(climb(resolvent, channel, m, &omegas, *k));
+            let as_met = seen || h[*k] < own - CLIMBED;
+            places.push(if as_met {
+                (omegas[*k], (h[*k] + unit).exp())
+            } else {
+                climb(resolvent, channel, m, &omegas, *k)
+            });
         }
         let highest = places.iter().map(|p| p.1).fold(f64::NEG_INFINITY, f64::max);
         let mut flat: Vec<usize> = (0..h.len())
             .filter(|k| {
-                let value = (h[*k] + channels[c].2).exp();
+                let value = (h[*k] + unit).exp();
                 value >= highest * (-FLAT).exp() && !places.iter().any(|(w, _)| near(*w, omegas[*k]))
             })
             .collect();
@@ -152,6 +165,7 @@ fn climb(resolvent: &mut Resolvent, channel: &Channel, m: usize, omegas: &[f64],
             Err(crate::linalg::LinalgError::Singular { what: "G(s)", why, value: w }.into())
         }
     });
+    gain.flat = LEVEL;
     let here = (omegas[k], gain.at(omegas[k]));
     if k == 0 || k + 1 == omegas.len() {
         return here;

@@ -87,7 +87,9 @@ impl Problem {
         margin: f64,
         frequencies: &[f64],
     ) -> Self {
-        let mut opens: Vec<Open> = plants.iter().map(Open::of).collect();
+        let used: Vec<(Vec<usize>, Vec<usize>)> =
+            plants.iter().enumerate().map(|(k, p)| signals(p, k, targets)).collect();
+        let mut opens: Vec<Open> = plants.iter().zip(&used).map(|(p, (z, w))| Open::of(p, z, w)).collect();
         let mut stable = vec![true; opens.len()];
         let mut bounds = 0;
         let mut role = |aim: Aim| match aim {
@@ -102,8 +104,8 @@ impl Problem {
             .map(|t| {
                 let (role, number) = role(t.aim);
                 let (kind, unit) = match &t.measure {
-                    Measure::Hinf(c) => (Kind::Hinf(c.clone()), number.ln()),
-                    Measure::H2(c) => (Kind::H2(c.clone()), number.ln()),
+                    Measure::Hinf(c) => (Kind::Hinf(among(c, &used[t.plant])), number.ln()),
+                    Measure::H2(c) => (Kind::H2(among(c, &used[t.plant])), number.ln()),
                     Measure::Abscissa => (Kind::Abscissa, number),
                 };
                 Wanted { plant: t.plant, kind, role, unit }
@@ -247,11 +249,11 @@ impl Problem {
         let order = self.structure.order();
         let of_hinf = |t: &&usize| matches!(self.wanted[**t].kind, Kind::Hinf(_));
         let mut resolvent = Resolvent::new(&self.opens[plant], &closed, order);
-        let channels: Vec<(usize, &Channel, f64)> = wants
+        let channels: Vec<(usize, &Channel, f64, bool)> = wants
             .iter()
             .filter(of_hinf)
             .filter_map(|t| match &self.wanted[*t].kind {
-                Kind::Hinf(c) => Some((*t, c, self.wanted[*t].unit)),
+                Kind::Hinf(c) => Some((*t, c, self.wanted[*t].unit, self.wanted[*t].role != Role::Goal)),
                 _ => None,
             })
             .collect();
@@ -347,6 +349,36 @@ impl Problem {
             values[p.id.target] = values[p.id.target].max(p.value);
         }
         values
+    }
+}
+
+/// Performances and disturbances of a plant that its targets ask about, ascending.
+fn signals(plant: &GeneralizedPlant, number: usize, targets: &[Target]) -> (Vec<usize>, Vec<usize>) {
+    let (mut outputs, mut disturbances) = (Vec::new(), Vec::new());
+    for t in targets.iter().filter(|t| t.plant == number) {
+        if let Measure::Hinf(c) | Measure::H2(c) = &t.measure {
+            outputs.extend(c.outputs.iter().map(|o| o.0));
+            if c.disturbances.is_empty() {
+                disturbances.extend(0..plant.nw());
+            }
+            disturbances.extend(&c.disturbances);
+        }
+    }
+    for list in [&mut outputs, &mut disturbances] {
+        list.sort_unstable();
+        list.dedup();
+    }
+    (outputs, disturbances)
+}
+
+/// A channel in the numbers of the signals used.
+fn among(channel: &Channel, (outputs, disturbances): &(Vec<usize>, Vec<usize>)) -> Channel {
+    let place = |list: &[usize], signal: usize| list.iter().position(|s| *s == signal).unwrap_or(0);
+    let all: Vec<usize> = (0..disturbances.len()).collect();
+    let named = channel.disturbances.iter().map(|w| place(disturbances, *w)).collect();
+    Channel {
+        outputs: channel.outputs.iter().map(|(z, weight)| (place(outputs, *z), *weight)).collect(),
+        disturbances: if channel.disturbances.is_empty() { all } else { named },
     }
 }
 

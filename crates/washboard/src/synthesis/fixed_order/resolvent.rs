@@ -1,7 +1,11 @@
 //! A closed loop at a frequency: one LU factorisation, its response and what that gains from each entry of the controller.
 
 use super::closed::{Closed, Open};
+use super::hessenberg::{self, Hessenberg};
 use crate::linalg::{C64, Mat, small};
+
+/// From this order on the matrix is brought to Hessenberg form, in which a factorisation costs n² and not n³.
+const LARGE: usize = 10;
 
 /// A loop's matrices in slices, row after row, with room to work in.
 pub(super) struct Resolvent<'a> {
@@ -21,6 +25,7 @@ pub(super) struct Resolvent<'a> {
     x: Vec<C64>,
     /// Factorisations.
     pub counted: usize,
+    hessenberg: Option<Hessenberg>,
 }
 
 impl<'a> Resolvent<'a> {
@@ -29,15 +34,21 @@ impl<'a> Resolvent<'a> {
         let rows = |x: &Mat| -> Vec<f64> {
             (0..x.nrows() * x.ncols()).map(|k| x[(k / x.ncols(), k % x.ncols())]).collect()
         };
+        let hessenberg = (n >= LARGE).then(|| Hessenberg::new(&closed.a));
+        let (mut b, mut c) = (rows(&closed.b), rows(&closed.c));
+        if let Some(h) = &hessenberg {
+            b = rows(&(h.q.transpose() * &closed.b));
+            c = rows(&(&closed.c * &h.q));
+        }
         Resolvent {
             open,
             order,
             n,
             m,
             p,
-            a: rows(&closed.a),
-            b: rows(&closed.b),
-            c: rows(&closed.c),
+            a: hessenberg.as_ref().map_or_else(|| rows(&closed.a), |h| rows(&h.h)),
+            b,
+            c,
             d: rows(&closed.d),
             factors: vec![small::ZERO; n * n],
             pivots: vec![0; n],
@@ -45,6 +56,7 @@ impl<'a> Resolvent<'a> {
             sound: false,
             x: vec![small::ZERO; n * m],
             counted: 0,
+            hessenberg,
         }
     }
 
@@ -58,7 +70,11 @@ impl<'a> Resolvent<'a> {
         (0..self.n).for_each(|i| self.factors[i * self.n + i].im += omega);
         self.counted += 1;
         self.at = omega;
-        self.sound = small::lu(&mut self.factors, &mut self.pivots);
+        self.sound = if self.hessenberg.is_some() {
+            hessenberg::lu(&mut self.factors, &mut self.pivots)
+        } else {
+            small::lu(&mut self.factors, &mut self.pivots)
+        };
         self.sound
     }
 
@@ -83,7 +99,11 @@ impl<'a> Resolvent<'a> {
         for (x, b) in self.x.iter_mut().zip(&self.b) {
             *x = C64::new(*b, 0.0);
         }
-        small::lu_solve(&self.factors, &self.pivots, &mut self.x, self.m);
+        if self.hessenberg.is_some() {
+            hessenberg::solve(&self.factors, &self.pivots, &mut self.x, self.m);
+        } else {
+            small::lu_solve(&self.factors, &self.pivots, &mut self.x, self.m);
+        }
         for (row, c) in t.chunks_exact_mut(self.m.max(1)).zip(self.c.chunks_exact(self.n)).take(self.p) {
             for (c, x) in c.iter().zip(self.x.chunks_exact(self.m.max(1))) {
                 if *c != 0.0 {
@@ -113,12 +133,22 @@ impl<'a> Resolvent<'a> {
             for (r, b) in right.iter_mut().zip(self.b.chunks_exact(self.m.max(1))) {
                 *r = b.iter().zip(v).map(|(b, v)| *v * *b).sum();
             }
-            small::lu_solve(&self.factors, &self.pivots, &mut right, 1);
+            if self.hessenberg.is_some() {
+                hessenberg::solve(&self.factors, &self.pivots, &mut right, 1);
+            } else {
+                small::lu_solve(&self.factors, &self.pivots, &mut right, 1);
+            }
             for (c, u) in self.c.chunks_exact(n).zip(u) {
                 left.iter_mut().zip(c).for_each(|(l, c)| *l += u.conj() * *c);
             }
             value += left.iter().enumerate().map(|(i, _)| left[i] * right[i]).sum::<C64>();
-            small::lu_solve_transposed(&self.factors, &self.pivots, &mut left, 1);
+            match &self.hessenberg {
+                Some(h) => {
+                    hessenberg::solve_transposed(&self.factors, &self.pivots, &mut left);
+                    (left, right) = (h.back(&left), h.back(&right));
+                }
+                None => small::lu_solve_transposed(&self.factors, &self.pivots, &mut left, 1),
+            }
         }
         let o = self.open;
         let zu: Vec<C64> = left[np..]
