@@ -14,13 +14,18 @@ use super::design_robust::{named_fields, wrong_fields};
 use super::{Input, Named, StudyError};
 use crate::lti::{Continuous, GeneralizedPlant, LtiError, StateSpace};
 use crate::synthesis::{
-    Aim, Channel, Entry, FixedOrder, FixedOrderDesign, FixedOrderEnd, Local, Measure, Structure, Target,
-    fixed_order,
+    Aim, Channel, Entry, FixedOrder, FixedOrderDesign, FixedOrderEnd, FixedOrderSettings, FixedOrderWork,
+    Local, Measure, Structure, SynthesisError, Target, fixed_order,
 };
 use crate::units::hz;
 
 /// Norms of the search and recomputed ones agree to this, and bounds are exceeded by at most this.
 const SAME: f64 = 1e-5;
+
+/// The loop's poles are left of minus this share of the vehicle's fastest pole where no region is asked for.
+const CLEAR: f64 = 1e-6;
+/// Random starts of a search for bounds alone.
+const FEW: usize = 4;
 
 /// One of the vehicles that a controller is for.
 struct Member {
@@ -281,11 +286,20 @@ pub(super) fn by_fixed_order(problem: &Problem, fleet: &Fleet, outcome: &mut Des
         structure: fleet.structure.clone(),
         max_pole_rad_s: Some(spec.max_pole_rad_s()),
         max_gain: spec.goal.max_gain,
-        margin_rad_s: spec.poles.and_then(|p| p.max_real_rad_s).map_or(0.0, |v| -v),
+        margin_rad_s: spec.poles.and_then(|p| p.max_real_rad_s).map_or_else(|| fleet.clear(), |v| -v),
         starts,
         frequencies_rad_s,
     };
-    let (design, met) = match fixed_order(&asked, &section.into())? {
+    let ended = match searched(&asked, &section.into()) {
+        Err(SynthesisError::Lti(LtiError::NotStable { pole, .. })) => {
+            outcome.status = DesignStatus::Refused;
+            let found = format!("its loop has a pole at {:e} {:+e}i 1/s", pole.re, pole.im);
+            outcome.why = Some(refused(&Named::default(), &found));
+            return Ok(None);
+        }
+        ended => ended?,
+    };
+    let (design, met) = match ended {
         FixedOrderEnd::NotStabilised { abscissa } => {
             outcome.status = DesignStatus::Stalled;
             let tried = FixedOrderOutcome {
@@ -312,8 +326,72 @@ pub(super) fn by_fixed_order(problem: &Problem, fleet: &Fleet, outcome: &mut Des
     Ok(Some(design.controller))
 }
 
+/// The design; where its bounds are not met, the one that exceeds them least, or from one that meets them the design again.
+fn searched(asked: &FixedOrder, settings: &FixedOrderSettings) -> Result<FixedOrderEnd, SynthesisError> {
+    let first = match fixed_order(asked, settings)? {
+        FixedOrderEnd::BoundsNotMet(first) => first,
+        end => return Ok(end),
+    };
+    let targets: Vec<Target> = asked.targets.iter().filter(|t| is_bound(t)).cloned().collect();
+    if targets.is_empty() || targets.len() == asked.targets.len() {
+        return Ok(FixedOrderEnd::BoundsNotMet(first));
+    }
+    let again = |targets: Vec<Target>, from: &StateSpace<Continuous>, tries: usize| {
+        let starts = std::iter::once(from).chain(&asked.starts).cloned().collect();
+        let settings = FixedOrderSettings { tries, lower_orders: false, ..*settings };
+        // what rounding spoils here leaves the first result as it is
+        fixed_order(&FixedOrder { targets, starts, ..asked.clone() }, &settings).ok()
+    };
+    let mut work = first.work;
+    let least = match again(targets, &first.controller, settings.tries.min(FEW)) {
+        Some(FixedOrderEnd::Designed(within)) => {
+            work = both(work, within.work);
+            match again(asked.targets.clone(), &within.controller, 0) {
+                Some(FixedOrderEnd::Designed(d)) => {
+                    let work = both(work, d.work);
+                    return Ok(FixedOrderEnd::Designed(Box::new(FixedOrderDesign { work, ..*d })));
+                }
+                _ => first,
+            }
+        }
+        Some(FixedOrderEnd::BoundsNotMet(least)) => {
+            work = both(work, least.work);
+            if least.violation < first.violation { least } else { first }
+        }
+        _ => first,
+    };
+    Ok(FixedOrderEnd::BoundsNotMet(Box::new(FixedOrderDesign { work, ..*least })))
+}
+
+fn is_bound(t: &Target) -> bool {
+    matches!(t.aim, Aim::Bound(_))
+}
+
+fn both(one: FixedOrderWork, other: FixedOrderWork) -> FixedOrderWork {
+    FixedOrderWork {
+        starts: one.starts + other.starts,
+        stabilised: one.stabilised + other.stabilised,
+        loops: one.loops + other.loops,
+        factorisations: one.factorisations + other.factorisations,
+        eigenproblems: one.eigenproblems + other.eigenproblems,
+        lyapunov: one.lyapunov + other.lyapunov,
+    }
+}
+
 impl Fleet {
+    /// Poles nearer to the axis than this are on it but for rounding.
+    fn clear(&self) -> f64 {
+        let fastest = |m: &Member| {
+            let poles = m.plant.system().poles().unwrap_or_default();
+            poles.iter().map(|p| p.norm()).fold(0.0, f64::max)
+        };
+        CLEAR * self.members.iter().map(fastest).fold(0.0, f64::max)
+    }
+
     fn evidence(&self, d: &FixedOrderDesign) -> FixedOrderOutcome {
+        // where bounds are not met, only these may have been looked at
+        let known = |t: &Target| d.values.len() == self.targets.len() || is_bound(t);
+        let own = self.targets.iter().zip(&self.about).filter(|(t, _)| known(t));
         let of = |((t, a), v): ((&Target, &About), &crate::synthesis::TargetValue)| FixedOrderTarget {
             name: a.name.clone(),
             vehicle: self.is_many().then_some(t.plant + 1),
@@ -323,7 +401,8 @@ impl Fleet {
             recomputed: None,
             relative: v.value / a.unit,
             at_hz: v.omega_rad_s.filter(|w| w.is_finite()).map(hz),
-            multiplier: v.multiplier,
+            // never −0
+            multiplier: v.multiplier + 0.0,
             active_hz: v.active_rad_s.iter().filter(|w| w.is_finite()).map(|w| hz(*w)).collect(),
         };
         let counts = [
@@ -333,7 +412,7 @@ impl Fleet {
             ("lyapunov", d.work.lyapunov),
         ];
         FixedOrderOutcome {
-            targets: self.targets.iter().zip(&self.about).zip(&d.values).map(of).collect(),
+            targets: own.zip(&d.values).map(of).collect(),
             violation: Some(d.violation),
             abscissa_rad_s: None,
             stationarity: d.stationarity.as_ref().map(|s| Stationarity {

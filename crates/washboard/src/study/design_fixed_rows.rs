@@ -30,6 +30,19 @@ pub struct SearchRow {
     pub value: String,
 }
 
+/// Peaks that a row names.
+const MOST_PEAKS: usize = 6;
+
+/// Those that three digits tell apart.
+fn peaks(active_hz: &[f64]) -> String {
+    let mut all: Vec<String> = active_hz.iter().map(|f| short(*f)).collect();
+    all.dedup();
+    let more = all.len().saturating_sub(MOST_PEAKS);
+    all.truncate(MOST_PEAKS);
+    let more = if more > 0 { format!(" and {more} more") } else { String::new() };
+    all.join(", ") + &more
+}
+
 impl DesignOutcome {
     /// Goals and bounds of a fixed-order design.
     #[must_use]
@@ -47,7 +60,7 @@ impl DesignOutcome {
             },
             relative: t.relative,
             multiplier: t.multiplier,
-            peaks: t.active_hz.iter().map(|f| short(*f)).collect::<Vec<_>>().join(", "),
+            peaks: peaks(&t.active_hz),
         };
         self.fixed_order.iter().flat_map(|f| &f.targets).map(row).collect()
     }

@@ -27,8 +27,8 @@ pub(super) fn not_stabilised(problem: &Problem, order: usize, tried: &FixedOrder
     let members = if problem.spec.plant.len() > 1 { " with every vehicle" } else { "" };
     let nearer = if margin.is_some() { "a max_real_rad_s nearer to 0, " } else { "" };
     format!(
-        "no controller of order {order} was found that {wanted}{members}: none of {} starts led to one, {least}. {}{nearer}more starts \
-         (fixed-order.tries) or other measurements may help",
+        "no controller of order {order} was found that {wanted}{members}: none of {} starts led to one, {least}. What may help: {}{nearer}more starts \
+         (fixed-order.tries), other measurements",
         tried.starts,
         more_freedom(&problem.spec)
     )
@@ -76,7 +76,7 @@ pub(super) fn not_met(
     let starts = block.map_or(0, |b| b.starts);
     format!(
         "the bounds are not kept by any controller of order {order} that {starts} starts led to. At the least violation found, {}. A local \
-         search does not prove that there is none: {}a larger bound, more starts (fixed-order.tries) or other measurements may help",
+         search does not prove that there is none. What may help: {}larger bounds, more starts (fixed-order.tries), other measurements",
         named.join("; "),
         more_freedom(spec)
     )

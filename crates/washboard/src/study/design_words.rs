@@ -323,6 +323,9 @@ pub(super) fn short(v: f64) -> String {
     if v == 0.0 {
         return "0".into();
     }
+    if v < 0.0 {
+        return format!("-{}", short(-v));
+    }
     if !(1e-3..1e5).contains(&v) {
         let text = format!("{v:.*e}", DIGITS - 1);
         return match text.split_once('e') {
