@@ -141,6 +141,10 @@ fn one_controller_serves_four_tires_and_is_never_better_than_each_tires_own() {
     let (status, out, err) = folder.run("design design.toml -o out");
     assert_eq!(status, 0, "{err}");
     assert!(out.contains("the search") && out.contains("goals and bounds"), "{out}");
+    let (status, _, err) = folder.run("report out");
+    let page = fs::read_to_string(folder.0.join("out/report.html")).unwrap();
+    assert!(status == 0 && page.contains("Every vehicle that it is for"), "{err}");
+    assert!(!page.contains("robust gain") && page.contains("Steepest descent"));
     // normalize_at: all over the same norms
     let fixed = of_order(1).replace("[goal]", "[normalize_at]\ntire_damping_n_s_per_m = 98.0\n[goal]");
     let made = folder.designed(&format!("{fixed}{plants}"));

@@ -181,6 +181,9 @@ fn claims(o: &DesignOutcome) -> String {
     if rows.is_empty() { String::new() } else { rows.text() }
 }
 
+/// Goals and bounds, so many at most: the page has all.
+const MOST_TARGETS: usize = 24;
+
 /// Goals and bounds of a fixed-order design, and what holds its optimum.
 fn targets(o: &DesignOutcome) -> String {
     let all = o.target_rows();
@@ -191,12 +194,14 @@ fn targets(o: &DesignOutcome) -> String {
         head.insert(1, "vehicle");
     }
     let mut rows = Table::new(&head);
-    for r in all {
+    let left = all.len().saturating_sub(MOST_TARGETS);
+    for r in all.into_iter().take(MOST_TARGETS) {
         let vehicle = many.then_some(r.vehicle);
         let cells = [r.aim.to_owned(), number(r.relative), number(r.multiplier), r.peaks];
         rows.row(std::iter::once(r.name).chain(vehicle).chain(cells));
     }
-    if rows.is_empty() { String::new() } else { rows.text() }
+    let more = if left > 0 { format!("  and {left} more (-o has them)\n") } else { String::new() };
+    if rows.is_empty() { String::new() } else { rows.text() + &more }
 }
 
 /// What a fixed-order search did.

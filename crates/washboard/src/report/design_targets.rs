@@ -1,5 +1,6 @@
 //! A fixed-order design on its page: goals and bounds with what holds the optimum, and the search.
 
+use super::design::capital;
 use super::html::{Html, table};
 use super::numbers::significant;
 use crate::study::{DesignOutcome, SearchRow, TargetRow};
@@ -29,7 +30,7 @@ pub(super) fn targets(o: &DesignOutcome) -> Option<Html> {
 /// What was done.
 pub(super) fn search(o: &DesignOutcome) -> Option<Html> {
     let rows = o.search_rows();
-    let row = |r: &SearchRow| vec![r.words.into(), r.value.as_str().into()];
+    let row = |r: &SearchRow| vec![capital(r.words).into(), r.value.as_str().into()];
     let caption = "a local search from many starts: another controller of this order may be better";
     (!rows.is_empty()).then(|| table(caption, &["", "#"], rows.iter().map(row).collect()))
 }
