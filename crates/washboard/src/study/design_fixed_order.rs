@@ -1,60 +1,62 @@
-//! `method = "fixed-order"`: from a design's words to goals and bounds of one or several vehicles, and the proof of the result.
+//! `method = "fixed-order"`: from a design's words to goals and bounds of one or several vehicles, and what the search says.
 
 use super::design_fixed_outcome::{FixedOrderOutcome, FixedOrderTarget, Stationarity, TargetAim, TargetNorm};
-use super::design_fixed_spec::{FreeEntry, StructureEntry, StructureKind, StructureSpec};
+use super::design_fixed_search::{is_bound, searched};
 use super::design_fixed_starts::{given, invariant_frequencies, regulators};
+use super::design_fixed_structure::structure;
 use super::design_fixed_words::{not_met, not_stabilised, refused};
 use super::design_gains::{fast_controller, fastest, largest_gain};
 use super::design_methods::Found;
 use super::design_mixed::minimal;
-use super::design_outcome::{DesignOutcome, DesignStatus, DesignVertex, Measured};
-use super::design_outputs::outputs;
+use super::design_outcome::{DesignOutcome, DesignStatus};
 use super::design_problem::{GoalBlock, Norm, PeakBlock, Problem};
 use super::design_robust::{named_fields, wrong_fields};
+use super::design_words::short;
 use super::{Input, Named, StudyError};
 use crate::lti::{Continuous, GeneralizedPlant, LtiError, StateSpace};
 use crate::synthesis::{
-    Aim, Channel, Entry, FixedOrder, FixedOrderDesign, FixedOrderEnd, FixedOrderSettings, FixedOrderWork,
-    Local, Measure, Structure, SynthesisError, Target, fixed_order,
+    Aim, Channel, FixedOrder, FixedOrderDesign, FixedOrderEnd, Measure, Structure, SynthesisError, Target,
+    TargetValue,
 };
 use crate::units::hz;
 
-/// Norms of the search and recomputed ones agree to this, and bounds are exceeded by at most this.
-const SAME: f64 = 1e-5;
-
 /// The loop's poles are left of minus this share of the vehicle's fastest pole where no region is asked for.
 const CLEAR: f64 = 1e-6;
-/// Random starts of a search for bounds alone.
-const FEW: usize = 4;
 
 /// One of the vehicles that a controller is for.
-struct Member {
+pub(super) struct Member {
     /// Its goal, over its own passive norms.
-    problem: Problem,
-    at: Named<f64>,
+    pub problem: Problem,
+    pub at: Named<f64>,
     /// Without modes that no signal shows.
     plant: GeneralizedPlant,
 }
 
 /// What a target is in the design's words.
-#[derive(Clone)]
-struct About {
-    name: String,
-    norm: TargetNorm,
-    aim: TargetAim,
+pub(super) struct About {
+    pub name: String,
+    pub norm: TargetNorm,
+    pub aim: TargetAim,
     /// The value is so many times what is minimised, or this is the bound.
-    unit: f64,
+    pub unit: f64,
+}
+
+impl About {
+    /// Whether it is all of `minimize_h2` together, which has no name of its own.
+    pub fn is_sum(&self) -> bool {
+        self.norm == TargetNorm::H2 && self.aim == TargetAim::Goal
+    }
 }
 
 /// All that a fixed-order design is made of.
 pub(super) struct Fleet {
-    members: Vec<Member>,
+    pub members: Vec<Member>,
     structure: Structure,
     start: Option<StateSpace<Continuous>>,
     /// The file of `start`.
     pub input: Option<Input>,
-    targets: Vec<Target>,
-    about: Vec<About>,
+    pub targets: Vec<Target>,
+    pub about: Vec<About>,
 }
 
 impl Fleet {
@@ -74,7 +76,7 @@ impl Fleet {
         Ok(Fleet { members, structure, start, input, targets, about })
     }
 
-    fn is_many(&self) -> bool {
+    pub fn is_many(&self) -> bool {
         self.members.len() > 1 || self.members.iter().any(|m| !m.at.is_empty())
     }
 }
@@ -98,7 +100,7 @@ impl Member {
     }
 }
 
-fn fail(problem: &Problem, e: LtiError) -> StudyError {
+pub(super) fn fail(problem: &Problem, e: LtiError) -> StudyError {
     StudyError::Design { name: problem.spec.vehicle.clone(), source: Box::new(e.into()) }
 }
 
@@ -123,114 +125,6 @@ impl Problem {
         let peaks = self.peaks.iter().map(peak).collect::<Result<Vec<_>, StudyError>>()?;
         Ok(Problem { goals, bounded, peaks, ..self })
     }
-}
-
-/// The structure asked for, for the plant's measurements and actuators.
-fn structure(problem: &Problem) -> Result<Structure, StudyError> {
-    let spec = &problem.spec;
-    let (nu, ny) = (problem.plant.nu(), problem.plant.ny());
-    let wrong = |field, expected: String, found: String| StudyError::Setting { field, expected, found };
-    let unfit = |e: LtiError| fail(problem, e);
-    let asked = spec.goal.order;
-    let own_order = |order: usize, why: &str| match asked {
-        Some(found) if found != order => {
-            Err(wrong("goal.order", format!("{order}, {why}, or nothing"), found.to_string()))
-        }
-        _ => Ok(order),
-    };
-    if let Some(StructureSpec::Entries(rows)) = &spec.structure {
-        let Some(order) = rows.len().checked_sub(nu) else {
-            let expected = format!("a row of each state and of each of the {nu} actuators");
-            return Err(wrong("structure", expected, format!("{} rows", rows.len())));
-        };
-        own_order(order, &format!("the {} rows of structure less {nu} of actuators", rows.len()))?;
-        let columns = order + ny;
-        if let Some((k, row)) = rows.iter().enumerate().find(|(_, r)| r.len() != columns) {
-            let expected = format!("rows of {columns} entries: {order} states, {ny} measurements");
-            return Err(wrong("structure", expected, format!("{} in row {}", row.len(), k + 1)));
-        }
-        let entry = |e: &StructureEntry| match e {
-            StructureEntry::Word(FreeEntry::Free) => Entry::Free,
-            StructureEntry::Number(v) => Entry::Fixed(*v),
-        };
-        let entries: Vec<Entry> = rows.iter().flatten().map(entry).collect();
-        if !entries.contains(&Entry::Free) {
-            return Err(wrong("structure", "an entry that is \"free\"".into(), "numbers alone".into()));
-        }
-        if let Some(Entry::Fixed(v)) = entries.iter().find(|e| matches!(e, Entry::Fixed(v) if !v.is_finite()))
-        {
-            return Err(wrong("structure", "finite numbers".into(), v.to_string()));
-        }
-        return Structure::of_entries(order, nu, ny, entries).map_err(unfit);
-    }
-    match spec.structure_kind().unwrap_or(StructureKind::Full) {
-        StructureKind::Full => Ok(Structure::full(asked.unwrap_or(0), nu, ny)),
-        StructureKind::StrictlyProper => {
-            let order = asked.unwrap_or(0);
-            if order == 0 {
-                let expected = "1 or more: without states nothing of a strictly proper controller is left";
-                return Err(wrong("goal.order", expected.into(), "0".into()));
-            }
-            Ok(Structure::full(order, nu, ny).strictly_proper())
-        }
-        StructureKind::Pid => {
-            if (nu, ny) != (1, 1) {
-                let found = format!("{ny} measurements and {nu} actuators");
-                return Err(wrong(
-                    "structure",
-                    "one measurement and one actuator of a \"pid\"".into(),
-                    found,
-                ));
-            }
-            own_order(2, "integrator and filter of structure = \"pid\"")?;
-            Structure::pid(spec.pid_filter_s.unwrap_or(0.0)).map_err(unfit)
-        }
-        StructureKind::Decentralised => {
-            let parts = spec.local.iter().map(|l| local(problem, l)).collect::<Result<Vec<_>, _>>()?;
-            let order = parts.iter().map(|p| p.order).sum();
-            own_order(order, "the sum of all [[local]] orders")?;
-            for (u, actuator) in problem.vehicle.actuators().iter().enumerate() {
-                let times = parts.iter().flat_map(|p| &p.controls).filter(|c| **c == u).count();
-                if times != 1 {
-                    let expected = format!("each of the {nu} actuators in one [[local]]");
-                    return Err(wrong(
-                        "local.actuators",
-                        expected,
-                        format!("`{}` {times} times", actuator.name),
-                    ));
-                }
-            }
-            Structure::decentralised(nu, ny, &parts).map_err(unfit)
-        }
-    }
-}
-
-/// A part of a decentralised controller, by numbers.
-fn local(problem: &Problem, of: &super::LocalSection) -> Result<Local, StudyError> {
-    let all = outputs(&problem.vehicle, &of.measurements, "local.measurements")?;
-    let measurements = all.iter().map(|o| {
-        problem.measurements.iter().position(|m| m == o).ok_or_else(|| StudyError::Setting {
-            field: "local.measurements",
-            expected: "some of the design's measurements".into(),
-            found: format!("`{}`", o.name),
-        })
-    });
-    let known = problem.vehicle.actuators();
-    let controls = of.actuators.iter().map(|name| {
-        known.iter().position(|a| a.name == *name).ok_or_else(|| {
-            let names: Vec<&str> = known.iter().map(|a| a.name.as_str()).collect();
-            StudyError::Setting {
-                field: "local.actuators",
-                expected: format!("actuators of the vehicle: {}", names.join(", ")),
-                found: format!("`{name}`"),
-            }
-        })
-    });
-    Ok(Local {
-        order: of.order,
-        measurements: measurements.collect::<Result<_, _>>()?,
-        controls: controls.collect::<Result<_, _>>()?,
-    })
 }
 
 /// Goals and bounds of one vehicle, whose performances are its `reported` outputs.
@@ -293,7 +187,7 @@ pub(super) fn by_fixed_order(problem: &Problem, fleet: &Fleet, outcome: &mut Des
     let ended = match searched(&asked, &section.into()) {
         Err(SynthesisError::Lti(LtiError::NotStable { pole, .. })) => {
             outcome.status = DesignStatus::Refused;
-            let found = format!("its loop has a pole at {:e} {:+e}i 1/s", pole.re, pole.im);
+            let found = format!("its loop has a pole with real part {} 1/s", short(pole.re));
             outcome.why = Some(refused(&Named::default(), &found));
             return Ok(None);
         }
@@ -326,58 +220,6 @@ pub(super) fn by_fixed_order(problem: &Problem, fleet: &Fleet, outcome: &mut Des
     Ok(Some(design.controller))
 }
 
-/// The design; where its bounds are not met, the one that exceeds them least, or from one that meets them the design again.
-fn searched(asked: &FixedOrder, settings: &FixedOrderSettings) -> Result<FixedOrderEnd, SynthesisError> {
-    let first = match fixed_order(asked, settings)? {
-        FixedOrderEnd::BoundsNotMet(first) => first,
-        end => return Ok(end),
-    };
-    let targets: Vec<Target> = asked.targets.iter().filter(|t| is_bound(t)).cloned().collect();
-    if targets.is_empty() || targets.len() == asked.targets.len() {
-        return Ok(FixedOrderEnd::BoundsNotMet(first));
-    }
-    let again = |targets: Vec<Target>, from: &StateSpace<Continuous>, tries: usize| {
-        let starts = std::iter::once(from).chain(&asked.starts).cloned().collect();
-        let settings = FixedOrderSettings { tries, lower_orders: false, ..*settings };
-        // what rounding spoils here leaves the first result as it is
-        fixed_order(&FixedOrder { targets, starts, ..asked.clone() }, &settings).ok()
-    };
-    let mut work = first.work;
-    let least = match again(targets, &first.controller, settings.tries.min(FEW)) {
-        Some(FixedOrderEnd::Designed(within)) => {
-            work = both(work, within.work);
-            match again(asked.targets.clone(), &within.controller, 0) {
-                Some(FixedOrderEnd::Designed(d)) => {
-                    let work = both(work, d.work);
-                    return Ok(FixedOrderEnd::Designed(Box::new(FixedOrderDesign { work, ..*d })));
-                }
-                _ => first,
-            }
-        }
-        Some(FixedOrderEnd::BoundsNotMet(least)) => {
-            work = both(work, least.work);
-            if least.violation < first.violation { least } else { first }
-        }
-        _ => first,
-    };
-    Ok(FixedOrderEnd::BoundsNotMet(Box::new(FixedOrderDesign { work, ..*least })))
-}
-
-fn is_bound(t: &Target) -> bool {
-    matches!(t.aim, Aim::Bound(_))
-}
-
-fn both(one: FixedOrderWork, other: FixedOrderWork) -> FixedOrderWork {
-    FixedOrderWork {
-        starts: one.starts + other.starts,
-        stabilised: one.stabilised + other.stabilised,
-        loops: one.loops + other.loops,
-        factorisations: one.factorisations + other.factorisations,
-        eigenproblems: one.eigenproblems + other.eigenproblems,
-        lyapunov: one.lyapunov + other.lyapunov,
-    }
-}
-
 impl Fleet {
     /// Poles nearer to the axis than this are on it but for rounding.
     fn clear(&self) -> f64 {
@@ -392,7 +234,7 @@ impl Fleet {
         // where bounds are not met, only these may have been looked at
         let known = |t: &Target| d.values.len() == self.targets.len() || is_bound(t);
         let own = self.targets.iter().zip(&self.about).filter(|(t, _)| known(t));
-        let of = |((t, a), v): ((&Target, &About), &crate::synthesis::TargetValue)| FixedOrderTarget {
+        let of = |((t, a), v): ((&Target, &About), &TargetValue)| FixedOrderTarget {
             name: a.name.clone(),
             vehicle: self.is_many().then_some(t.plant + 1),
             norm: a.norm,
@@ -432,7 +274,7 @@ impl Fleet {
             outcome.claimed.insert("objective", goal);
         }
         if !self.is_many() {
-            for (a, v) in self.about.iter().zip(&d.values).filter(|(a, _)| a.name != "goal") {
+            for (a, v) in self.about.iter().zip(&d.values).filter(|(a, _)| !a.is_sum()) {
                 outcome.claimed.insert(claimed_name(a), v.value);
             }
         }
@@ -443,113 +285,10 @@ impl Fleet {
             outcome.claimed.insert("controller_gain", gain);
         }
     }
-
-    /// Every vehicle's loop from vehicle and controller alone, beside what is claimed of it: a contradiction refuses.
-    ///
-    /// # Errors
-    /// A vehicle that has no norms.
-    pub fn confirm(&self, k: &StateSpace<Continuous>, outcome: &mut DesignOutcome) -> Result<(), StudyError> {
-        let mut worst = f64::NEG_INFINITY;
-        for (number, member) in self.members.iter().enumerate() {
-            let p = &member.problem;
-            let closed = match p.measure(Some(k)) {
-                // next to the axis
-                Err(StudyError::Ride { source, .. }) => {
-                    return Ok(self.refuse(refused(&member.at, &source.to_string()), outcome));
-                }
-                measured => measured?,
-            };
-            if let Some(found) = self.contradiction(number, &closed, outcome) {
-                return Ok(self.refuse(refused(&member.at, &found), outcome));
-            }
-            let value = super::design::objective(p, &closed);
-            worst = worst.max(value);
-            if self.is_many() {
-                let passive = p.measure(None)?;
-                let mut objective = Named::default();
-                if p.has_objective() {
-                    objective.insert("passive", super::design::objective(p, &passive));
-                    objective.insert("closed", value);
-                }
-                let at = member.at.clone();
-                outcome.vertices.push(DesignVertex {
-                    at,
-                    corner: true,
-                    passive,
-                    closed,
-                    nominal: None,
-                    objective,
-                });
-            }
-        }
-        if let Some(claimed) = outcome.claimed.get("objective").copied() {
-            outcome.claimed.insert("objective_recomputed", worst);
-            if worst > claimed * (1.0 + SAME) {
-                let found = format!("the goal is claimed to be {claimed:e} and recomputed as {worst:e}");
-                self.refuse(refused(&Named::default(), &found), outcome);
-            } else if self.is_many() {
-                outcome.objective.insert("worst", worst);
-            }
-        }
-        Ok(())
-    }
-
-    fn refuse(&self, why: String, outcome: &mut DesignOutcome) {
-        outcome.status = DesignStatus::Refused;
-        outcome.why = Some(why);
-        outcome.vertices.clear();
-    }
-
-    /// What a loop has beside what is claimed of it; in words where the two differ.
-    fn contradiction(&self, number: usize, closed: &Measured, outcome: &mut DesignOutcome) -> Option<String> {
-        let slowest = closed.poles.iter().map(|p| p[0]).fold(f64::NEG_INFINITY, f64::max);
-        let spec = &outcome.design;
-        let margin = spec.poles.and_then(|p| p.max_real_rad_s).unwrap_or(0.0);
-        if !closed.stable || slowest > margin * (1.0 - SAME) {
-            return Some(format!(
-                "the loop has a pole with real part {slowest:e} 1/s, where {margin} is allowed"
-            ));
-        }
-        if let Some(found) = outcome.claimed.get("fastest_controller_pole")
-            && *found > spec.max_pole_rad_s() * (1.0 + SAME)
-        {
-            return Some(format!("the controller has a pole at {found:e} rad/s"));
-        }
-        if let (Some(most), Some(found)) = (spec.goal.max_gain, outcome.claimed.get("controller_gain"))
-            && *found > most * (1.0 + SAME)
-        {
-            return Some(format!("the controller has a gain of {found:e}, where {most:e} is allowed"));
-        }
-        let p = &self.members[number].problem;
-        let block = outcome.fixed_order.as_mut()?;
-        let own = self.targets.iter().zip(&self.about).zip(&mut block.targets);
-        for ((_, a), shown) in own.filter(|((t, _), _)| t.plant == number) {
-            let recomputed = match (a.norm, a.aim) {
-                (TargetNorm::H2, TargetAim::Goal) => super::design::squared_h2(p, closed).sqrt(),
-                (TargetNorm::H2, TargetAim::Bound) => {
-                    closed.h2.get(&a.name).and_then(|r| r.finite()).unwrap_or(f64::INFINITY)
-                }
-                (TargetNorm::Hinf, _) => closed.hinf.get(&a.name).copied().unwrap_or(f64::INFINITY),
-            };
-            shown.recomputed = Some(recomputed).filter(|v| v.is_finite());
-            let differs = !((recomputed - shown.value).abs() <= SAME * shown.value);
-            let exceeds = a.aim == TargetAim::Bound && recomputed > a.unit * (1.0 + SAME);
-            if differs || exceeds {
-                let norm = if a.norm == TargetNorm::H2 { "H2 norm" } else { "largest gain" };
-                return Some(format!(
-                    "the {norm} of {} is claimed to be {:e} and recomputed as {recomputed:e}",
-                    a.name, shown.value
-                ));
-            }
-            if !self.is_many() && a.name != "goal" {
-                outcome.claimed.insert(format!("{}_recomputed", claimed_name(a)), recomputed);
-            }
-        }
-        None
-    }
 }
 
-fn claimed_name(a: &About) -> String {
+/// Its name among the claims.
+pub(super) fn claimed_name(a: &About) -> String {
     let norm = if a.norm == TargetNorm::H2 { "h2" } else { "hinf" };
     format!("{norm}_{}", a.name)
 }

@@ -5,7 +5,7 @@ use super::design_fixed_spec::StructureKind;
 use super::design_outcome::DesignOutcome;
 use super::design_problem::Problem;
 use super::design_robust::words;
-use super::design_words::{short, short_numbers};
+use super::design_words::short;
 use super::{DesignSpec, Named};
 
 /// A bound that is exceeded by less than this share of the largest excess is not named.
@@ -124,8 +124,8 @@ fn more_freedom(spec: &DesignSpec) -> &'static str {
 /// A controller whose loop contradicts what is claimed.
 pub(super) fn refused(at: &Named<f64>, found: &str) -> String {
     let place = if at.is_empty() { String::new() } else { format!(" with {}", words(at)) };
-    short_numbers(&format!(
+    format!(
         "a controller was found{place}, but {found}, from vehicle and controller alone: the search was misled by rounding. Another seed \
          (fixed-order.seed), a smaller goal.max_pole_rad_s, or poles = {{ max_real_rad_s = … }} may help"
-    ))
+    )
 }

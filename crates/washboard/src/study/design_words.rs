@@ -184,7 +184,7 @@ pub(super) fn unused(problem: &Problem) -> Option<Flag> {
 }
 
 /// Two numbers with as many digits as it takes to tell them apart.
-fn apart(one: f64, other: f64) -> [String; 2] {
+pub(super) fn apart(one: f64, other: f64) -> [String; 2] {
     let difference = (one - other).abs() / one.abs().max(other.abs());
     let digits = if difference > 0.0 { (1.0 - difference.log10()).ceil().clamp(2.0, 16.0) } else { 16.0 };
     [one, other].map(|v| format!("{v:.*e}", digits as usize))
