@@ -136,8 +136,6 @@ fn one_controller_serves_four_tires_and_is_never_better_than_each_tires_own() {
             assert!((gain("closed") / invariant - 1.0).abs() < 1e-6, "{} {invariant}", gain("closed"));
         }
     }
-    let alone = folder.designed(&of_order(1));
-    assert!(number(&alone, &["objective", "verified"]) < number(&vertices[3], &["objective", "closed"]));
     let (status, out, err) = folder.run("design design.toml -o out");
     assert_eq!(status, 0, "{err}");
     assert!(out.contains("the search") && out.contains("goals and bounds"), "{out}");
@@ -145,6 +143,8 @@ fn one_controller_serves_four_tires_and_is_never_better_than_each_tires_own() {
     let page = fs::read_to_string(folder.0.join("out/report.html")).unwrap();
     assert!(status == 0 && page.contains("Every vehicle that it is for"), "{err}");
     assert!(!page.contains("robust gain") && page.contains("Steepest descent"));
+    let alone = folder.designed(&of_order(1));
+    assert!(number(&alone, &["objective", "verified"]) < number(&vertices[3], &["objective", "closed"]));
     // normalize_at: all over the same norms
     let fixed = of_order(1).replace("[goal]", "[normalize_at]\ntire_damping_n_s_per_m = 98.0\n[goal]");
     let made = folder.designed(&format!("{fixed}{plants}"));
@@ -191,7 +191,7 @@ fn structures_are_kept() {
 fn goals_and_bounds_of_both_norms_mix() {
     let folder = Folder::new("mix");
     let text = format!(
-        "{}minimize_h2 = {{ tire_deflection = 0.5, sprung_acceleration = 0.3 }}\nbound_h2 = {{ suspension_travel = 0.9 }}\n",
+        "{}minimize_h2 = {{ tire_deflection = 0.5, sprung_acceleration = 0.3 }}\nbound_h2 = {{ suspension_travel = 0.72 }}\n",
         of_order(1)
     );
     let made = folder.designed(&text);
@@ -201,7 +201,7 @@ fn goals_and_bounds_of_both_norms_mix() {
     let squared = (0.5 * share("h2", "tire_deflection")).hypot(0.3 * share("h2", "sprung_acceleration"));
     let value = number(&made, &["objective", "verified"]);
     assert!((value / squared.max(share("hinf", "sprung_acceleration")) - 1.0).abs() < 1e-9);
-    assert!(share("h2", "suspension_travel") <= 0.9 * (1.0 + ROUNDING));
+    assert!(share("h2", "suspension_travel") <= 0.72 * (1.0 + ROUNDING));
     assert!(value < 0.56, "{value}");
     assert_eq!(target(&made, "goal", "goal")["norm"], "h2");
     // bounds alone are a goal too
