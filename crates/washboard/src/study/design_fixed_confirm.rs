@@ -23,12 +23,14 @@ impl Fleet {
             let closed = match p.measure(Some(k)) {
                 // next to the axis
                 Err(StudyError::Ride { source, .. }) => {
-                    return Ok(self.refuse(refused(&member.at, &source.to_string()), outcome));
+                    refuse(refused(&member.at, &source.to_string()), outcome);
+                    return Ok(());
                 }
                 measured => measured?,
             };
             if let Some(found) = self.contradiction(number, &closed, outcome) {
-                return Ok(self.refuse(refused(&member.at, &found), outcome));
+                refuse(refused(&member.at, &found), outcome);
+                return Ok(());
             }
             let value = super::design::objective(p, &closed);
             worst = worst.max(value);
@@ -55,18 +57,12 @@ impl Fleet {
             if worst > claimed * (1.0 + SAME) {
                 let [claimed, worst] = apart(claimed, worst);
                 let found = format!("the goal is claimed to be {claimed} and recomputed as {worst}");
-                self.refuse(refused(&Named::default(), &found), outcome);
+                refuse(refused(&Named::default(), &found), outcome);
             } else if self.is_many() {
                 outcome.objective.insert("worst", worst);
             }
         }
         Ok(())
-    }
-
-    fn refuse(&self, why: String, outcome: &mut DesignOutcome) {
-        outcome.status = DesignStatus::Refused;
-        outcome.why = Some(why);
-        outcome.vertices.clear();
     }
 
     /// What a loop has beside what is claimed of it; in words where the two differ.
@@ -122,4 +118,10 @@ impl Fleet {
         }
         None
     }
+}
+
+fn refuse(why: String, outcome: &mut DesignOutcome) {
+    outcome.status = DesignStatus::Refused;
+    outcome.why = Some(why);
+    outcome.vertices.clear();
 }
