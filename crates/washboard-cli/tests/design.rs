@@ -2,9 +2,11 @@
 
 #![allow(clippy::unwrap_used, clippy::print_stderr, clippy::print_stdout)]
 
+mod common;
+
+use common::Folder;
 use serde_json::Value;
 use std::fs;
-use std::path::PathBuf;
 use std::process::Command;
 
 const DESIGN: &str = r#"vehicle = "case:turkay-quarter-car"
@@ -17,37 +19,6 @@ tire_damping_n_s_per_m = 98.0
 [goal]
 minimize = { sprung_acceleration = 1.0, suspension_travel = 1.0, tire_deflection = 1.0 }
 "#;
-
-struct Folder(PathBuf);
-
-impl Folder {
-    fn new(name: &str) -> Self {
-        let folder = std::env::temp_dir().join(format!("washboard-design-{name}-{}", std::process::id()));
-        let _ = fs::remove_dir_all(&folder);
-        fs::create_dir(&folder).unwrap();
-        Folder(folder)
-    }
-
-    fn run(&self, line: &str) -> (i32, String, String) {
-        let words: Vec<&str> = line.split_whitespace().collect();
-        let run =
-            Command::new(env!("CARGO_BIN_EXE_washboard")).current_dir(&self.0).args(words).output().unwrap();
-        let text = |b: &[u8]| String::from_utf8(b.to_vec()).unwrap();
-        (run.status.code().unwrap(), text(&run.stdout), text(&run.stderr))
-    }
-
-    fn design(&self, text: &str) -> (i32, Value, String) {
-        fs::write(self.0.join("design.toml"), text).unwrap();
-        let (status, out, err) = self.run("design design.toml --json");
-        (status, serde_json::from_str(&out).unwrap_or(Value::Null), err)
-    }
-}
-
-impl Drop for Folder {
-    fn drop(&mut self) {
-        let _ = fs::remove_dir_all(&self.0);
-    }
-}
 
 #[test]
 fn a_design_is_made_ridden_on_and_shown_again() {

@@ -2,10 +2,11 @@
 
 #![allow(clippy::unwrap_used)]
 
+mod common;
+
+use common::{Folder, names, number};
 use serde_json::Value;
 use std::fs;
-use std::path::PathBuf;
-use std::process::Command;
 
 /// §5.2.1 of the thesis: λ = .1, μ = 1, blocks (−I, −γ²I), c_t = 50.
 const CAR: &str = r#"vehicle = "case:turkay-quarter-car"
@@ -23,57 +24,12 @@ bound = { tire_deflection = 1.0 }
 /// The same norm in other coordinates.
 const ROUNDING: f64 = 1e-9;
 
-struct Folder(PathBuf);
-
-impl Folder {
-    fn new(name: &str) -> Self {
-        let folder = std::env::temp_dir().join(format!("washboard-mixed-{name}-{}", std::process::id()));
-        let _ = fs::remove_dir_all(&folder);
-        fs::create_dir(&folder).unwrap();
-        Folder(folder)
-    }
-
-    fn run(&self, line: &str) -> (i32, String, String) {
-        let words: Vec<&str> = line.split_whitespace().collect();
-        let run =
-            Command::new(env!("CARGO_BIN_EXE_washboard")).current_dir(&self.0).args(words).output().unwrap();
-        let text = |b: &[u8]| String::from_utf8(b.to_vec()).unwrap();
-        (run.status.code().unwrap(), text(&run.stdout), text(&run.stderr))
-    }
-
-    fn design(&self, text: &str) -> (i32, Value, String) {
-        fs::write(self.0.join("design.toml"), text).unwrap();
-        let (status, out, err) = self.run("design design.toml --json");
-        (status, serde_json::from_str(&out).unwrap_or(Value::Null), err)
-    }
-
-    fn designed(&self, text: &str) -> Value {
-        let (status, made, err) = self.design(text);
-        assert_eq!((status, made["status"].as_str()), (0, Some("designed")), "{err} {}", made["why"]);
-        made
-    }
-}
-
-impl Drop for Folder {
-    fn drop(&mut self) {
-        let _ = fs::remove_dir_all(&self.0);
-    }
-}
-
 /// Output feedback from the travel, which the thesis has too.
 fn output_feedback() -> String {
     CAR.replace(
         "method = \"robust-state-feedback\"",
         "measurements = [\"suspension_travel\"]\nmethod = \"mixed-h2-hinf\"",
     )
-}
-
-fn number(of: &Value, path: &[&str]) -> f64 {
-    path.iter().fold(of, |v, key| &v[*key]).as_f64().unwrap_or_else(|| panic!("{path:?}"))
-}
-
-fn names(of: &Value) -> Vec<&str> {
-    of.as_array().unwrap().iter().map(|v| v["name"].as_str().unwrap()).collect()
 }
 
 /// The notes' figures of §5.2.1, to their digits, and the ride's own rms of the same controller from its file.

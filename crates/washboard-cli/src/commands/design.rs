@@ -9,7 +9,8 @@ use std::process::ExitCode;
 use washboard::files::{FileError, check_target_directory, write_directory};
 use washboard::report::design_page;
 use washboard::study::{
-    DesignOutcome, DesignSpec, DesignStatus, Envelope, Input, Rms, StudyError, controller_files, design,
+    DesignMethod, DesignOutcome, DesignSpec, DesignStatus, Envelope, Input, Rms, StudyError,
+    controller_files, design,
 };
 
 /// Design a controller, and certify it.
@@ -80,7 +81,8 @@ fn table(o: &DesignOutcome) -> String {
     if let Some(no_loop) = o.no_loop() {
         text += &wrapped(&format!("note: {no_loop}"));
     }
-    let parts = [rms(o), peaks(o), goal(o), vertices(o), claims(o), truncated(o), gains(o)];
+    let parts =
+        [rms(o), peaks(o), goal(o), targets(o), vertices(o), claims(o), truncated(o), gains(o), search(o)];
     parts.into_iter().filter(|p| !p.is_empty()).for_each(|p| text += &format!("\n{p}"));
     if let Some(v) = &o.verified {
         let margin = v.poles.iter().map(|p| -p[0]).fold(f64::INFINITY, f64::min);
@@ -149,11 +151,13 @@ fn peaks(o: &DesignOutcome) -> String {
 fn goal(o: &DesignOutcome) -> String {
     let value = |name: &str| o.objective.get(name).copied();
     let (passive, closed, limit) = (value("passive"), value("verified"), value("limit"));
+    let worst = value("worst");
     let change = passive.zip(closed).filter(|(p, _)| *p > 0.0).map(|(p, c)| c / p - 1.0);
     let known = [
         ("passive", passive.map(number)),
         ("closed", closed.map(number)),
         ("%", change.map(|c| share(Some(c)))),
+        ("worst vehicle", worst.map(number)),
         ("limit", limit.map(number)),
     ];
     let mut head = vec!["<goal, of norms over passive ones"];
@@ -177,6 +181,38 @@ fn claims(o: &DesignOutcome) -> String {
     if rows.is_empty() { String::new() } else { rows.text() }
 }
 
+/// Goals and bounds, so many at most: the page has all.
+const MOST_TARGETS: usize = 24;
+
+/// Goals and bounds of a fixed-order design, and what holds its optimum.
+fn targets(o: &DesignOutcome) -> String {
+    let all = o.target_rows();
+    let many = all.iter().any(|r| !r.vehicle.is_empty());
+    let mut head =
+        vec!["<goals and bounds, of norms over what is allowed", "<", "value", "multiplier", "<peaks, Hz"];
+    if many {
+        head.insert(1, "vehicle");
+    }
+    let mut rows = Table::new(&head);
+    let left = all.len().saturating_sub(MOST_TARGETS);
+    for r in all.into_iter().take(MOST_TARGETS) {
+        let vehicle = many.then_some(r.vehicle);
+        let cells = [r.aim.to_owned(), number(r.relative), number(r.multiplier), r.peaks];
+        rows.row(std::iter::once(r.name).chain(vehicle).chain(cells));
+    }
+    let more = if left > 0 { format!("  and {left} more (-o has them)\n") } else { String::new() };
+    if rows.is_empty() { String::new() } else { rows.text() + &more }
+}
+
+/// What a fixed-order search did.
+fn search(o: &DesignOutcome) -> String {
+    let mut rows = Table::new(&["<the search", ""]);
+    for r in o.search_rows() {
+        rows.row([r.words.to_owned(), r.value]);
+    }
+    if rows.is_empty() { String::new() } else { rows.text() }
+}
+
 /// Vehicles of a range, so many at most: the page has all.
 const MOST_VERTICES: usize = 9;
 
@@ -186,7 +222,9 @@ fn vertices(o: &DesignOutcome) -> String {
     let tables = o.vertex_tables();
     let Some(first) = tables.first() else { return String::new() };
     let many = first.rows.len();
-    let mut text = "vehicles of the range\n".to_owned();
+    // only a gain for a range has a nominal one beside it
+    let range = o.design.method == DesignMethod::RobustStateFeedback;
+    let mut text = if range { "vehicles of the range\n" } else { "vehicles\n" }.to_owned();
     for (k, r) in first.rows.iter().enumerate().take(MOST_VERTICES) {
         text += &wrapped(&format!("  {}: {}", k + 1, r.place));
     }
@@ -195,9 +233,14 @@ fn vertices(o: &DesignOutcome) -> String {
     }
     for t in tables {
         let unit = if t.unit.is_empty() { String::new() } else { format!(", {}", t.unit) };
-        let mut rows = Table::new(&[&format!("<{}{unit}", t.quantity), "passive", "nominal", "robust"]);
+        let first = format!("<{}{unit}", t.quantity);
+        let head: &[&str] =
+            if range { &[&first, "passive", "nominal", "robust"] } else { &[&first, "passive", "closed"] };
+        let mut rows = Table::new(head);
         for (k, r) in t.rows.iter().enumerate().take(MOST_VERTICES) {
-            rows.row([format!("  {}", k + 1), shown(r.passive), shown(r.nominal), shown(r.robust)]);
+            let nominal = range.then(|| shown(r.nominal));
+            let cells = [format!("  {}", k + 1), shown(r.passive)];
+            rows.row(cells.into_iter().chain(nominal).chain([shown(r.robust)]));
         }
         text += &rows.text();
     }

@@ -2,6 +2,7 @@
 
 use super::design_gains::gains;
 use super::design_tables::{certificate, controller, goal, poles, ride, truncated, vertices};
+use super::design_targets::{search, targets};
 use super::html::{Html, classed, element, note, paragraph};
 use super::numbers::significant;
 use super::page::{Page, Section};
@@ -15,10 +16,12 @@ const SECTIONS: &[(&str, &str, Draw)] = &[
     ("ride", "What it buys", |o, _| o.verified.as_ref().and_then(|_| ride(o))),
     ("passive", "The vehicle without control", |o, _| o.no_loop().and_then(|_| ride(o))),
     ("goal", "The goal", |o, _| goal(o)),
-    ("vertices", "Every vehicle of the range", |o, _| vertices(o)),
+    ("targets", "Goals and bounds", |o, _| targets(o)),
+    ("vertices", "Every vehicle that it is for", |o, _| vertices(o)),
     ("gains", "Gains over frequency", gains),
     ("certificate", "Claimed and recomputed", |o, _| certificate(o)),
     ("truncated", "Fewer states", |o, _| truncated(o)),
+    ("search", "The search", |o, _| search(o)),
     ("poles", "Poles", |o, _| poles(o)),
     ("controller", "The controller", |o, _| controller(o)),
 ];

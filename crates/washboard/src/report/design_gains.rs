@@ -10,9 +10,15 @@ pub(super) fn gains(o: &DesignOutcome, plots: &mut Plots) -> Option<Html> {
     let goals = o.design.weights().unwrap_or_default();
     let rows = o.rows();
     let first = |r: &&ResponseRow<'_>| {
-        let bounds = [&o.design.goal.bound, &o.design.goal.bound_hinf, &o.design.goal.minimize_hinf];
+        let bounds = [
+            &o.design.goal.minimize,
+            &o.design.goal.bound,
+            &o.design.goal.bound_hinf,
+            &o.design.goal.minimize_hinf,
+            &o.design.goal.bound_h2,
+        ];
         goals.get(r.name).is_some()
-            || (o.design.method.is_by_inequalities() && bounds.iter().any(|b| b.get(r.name).is_some()))
+            || (o.design.method.takes_bounds() && bounds.iter().any(|b| b.get(r.name).is_some()))
             || (r.group == ResponseGroup::Force && r.corner_of.is_none())
     };
     let (asked, others): (Vec<&ResponseRow<'_>>, Vec<_>) = rows.iter().partition(first);

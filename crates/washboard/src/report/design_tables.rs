@@ -4,7 +4,8 @@ use super::design::capital;
 use super::html::{Html, element, note, paragraph, table};
 use super::numbers::{fixed, signed, significant};
 use crate::study::{
-    ClaimRow, DesignOutcome, Measured, ResponseGroup, ResponseRow, Rms, TruncatedRow, VertexRow, VertexTable,
+    ClaimRow, DesignMethod, DesignOutcome, Measured, ResponseGroup, ResponseRow, Rms, TruncatedRow,
+    VertexRow, VertexTable,
 };
 
 /// More poles than these are shown on demand.
@@ -76,8 +77,12 @@ fn percent(change: Option<f64>) -> Html {
 
 /// The goal's value: passive, closed, limit, as far as they are known.
 pub(super) fn goal(o: &DesignOutcome) -> Option<Html> {
-    let named =
-        [("passive", "passive vehicle"), ("verified", "closed loop"), ("limit", "what no controller beats")];
+    let named = [
+        ("passive", "passive vehicle"),
+        ("verified", "closed loop"),
+        ("worst", "worst of all vehicles"),
+        ("limit", "what no controller beats"),
+    ];
     let passive = o.objective.get("passive").copied();
     let row = |(key, words): (&str, &str)| {
         let value = *o.objective.get(key)?;
@@ -109,6 +114,8 @@ pub(super) fn certificate(o: &DesignOutcome) -> Option<Html> {
     let body = rows.iter().map(row).collect();
     let caption = if o.vertices.is_empty() {
         "what is claimed, and what the loop itself shows"
+    } else if o.design.method == DesignMethod::FixedOrder {
+        "what is claimed of all vehicles, and what the worst loop shows"
     } else {
         "what is claimed of the whole range, and what the loop of its worst corner shows"
     };
@@ -119,12 +126,23 @@ pub(super) fn certificate(o: &DesignOutcome) -> Option<Html> {
 pub(super) fn vertices(o: &DesignOutcome) -> Option<Html> {
     let shown = |v: Option<f64>| v.map_or_else(|| "–".into(), |v| Html::from(significant(v, 4)));
     let one = |t: &VertexTable| {
+        // only a gain for a range has a nominal one beside it
+        let range = o.design.method == DesignMethod::RobustStateFeedback;
         let row = |r: &VertexRow| {
-            vec![r.place.as_str().into(), shown(r.passive), shown(r.nominal), shown(r.robust)]
+            let nominal = range.then(|| shown(r.nominal));
+            [r.place.as_str().into(), shown(r.passive)]
+                .into_iter()
+                .chain(nominal)
+                .chain([shown(r.robust)])
+                .collect()
         };
         let unit = if t.unit.is_empty() { String::new() } else { format!(", {}", t.unit) };
-        let head = ["vehicle", "#passive", "#gain for the vehicle as stated", "#robust gain"];
-        table(&format!("{}{unit}", t.quantity), &head, t.rows.iter().map(row).collect())
+        let head: &[&str] = if range {
+            &["vehicle", "#passive", "#gain for the vehicle as stated", "#robust gain"]
+        } else {
+            &["vehicle", "#passive", "#closed"]
+        };
+        table(&format!("{}{unit}", t.quantity), head, t.rows.iter().map(row).collect())
     };
     let tables = o.vertex_tables();
     (!tables.is_empty()).then(|| tables.iter().map(one).collect())
@@ -197,8 +215,8 @@ pub(super) fn controller(o: &DesignOutcome) -> Option<Html> {
             [Html::from(r.name), r.unit.as_str().into()].into_iter().chain(values).collect()
         };
         let actuators: Vec<String> = k.outputs.iter().map(|u| format!("#{u}")).collect();
-        let head: Vec<&str> =
-            ["state", "unit"].into_iter().chain(actuators.iter().map(String::as_str)).collect();
+        let of = if o.design.method == DesignMethod::FixedOrder { "measurement" } else { "state" };
+        let head: Vec<&str> = [of, "unit"].into_iter().chain(actuators.iter().map(String::as_str)).collect();
         return Some(paragraph(names).and(table(
             "the gain K of u = K y",
             &head,

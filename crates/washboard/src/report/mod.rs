@@ -5,6 +5,7 @@ mod compare;
 mod design;
 mod design_gains;
 mod design_tables;
+mod design_targets;
 mod fit;
 mod foot;
 mod headline;

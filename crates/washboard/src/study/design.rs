@@ -6,8 +6,8 @@ use super::design_outcome::{ControllerFile, DesignOutcome, DesignStatus, Gains, 
 use super::design_problem::{GoalBlock, Norm, Problem};
 use super::{DesignMethod, DesignSpec, Flag, Input, Named, StudyError};
 use super::{
-    design_advice, design_interpolation, design_mixed, design_robust, design_states, design_truncated,
-    design_warnings, design_words,
+    design_advice, design_fixed_order, design_interpolation, design_mixed, design_robust, design_states,
+    design_truncated, design_warnings, design_words,
 };
 use crate::lti::{Continuous, StateSpace};
 use crate::synthesis::SynthesisError;
@@ -25,7 +25,7 @@ pub fn design(spec: &DesignSpec) -> Result<(DesignOutcome, Vec<Input>), StudyErr
     if spec.method == DesignMethod::Interpolation {
         design_interpolation::check(&problem)?;
     }
-    if spec.method.is_by_inequalities() {
+    if spec.method.takes_bounds() {
         design_states::check_bounded(&problem)?;
     }
     let robust = match spec.method {
@@ -36,19 +36,24 @@ pub fn design(spec: &DesignSpec) -> Result<(DesignOutcome, Vec<Input>), StudyErr
         DesignMethod::MixedH2Hinf => Some(problem.at(&[])?),
         _ => None,
     };
+    let fleet = match spec.method {
+        DesignMethod::FixedOrder => Some(design_fixed_order::Fleet::new(&problem)?),
+        _ => None,
+    };
     let mut outcome = DesignOutcome {
         status: DesignStatus::Designed,
         why: None,
         design: DesignSpec {
             measurements: problem.asked_measurements(),
-            lqg: (!spec.method.is_by_inequalities()).then(|| spec.noises()),
-            ..spec.clone()
+            lqg: (!spec.method.takes_bounds()).then(|| spec.noises()),
+            ..spec.clone().with_search_stated()
         },
         controller: None,
         order: None,
         claimed: Named::default(),
         verified: None,
         feasible_bound: Named::default(),
+        fixed_order: None,
         vertices: Vec::new(),
         nominal: None,
         truncated: Vec::new(),
@@ -85,6 +90,10 @@ pub fn design(spec: &DesignSpec) -> Result<(DesignOutcome, Vec<Input>), StudyErr
             Some(family) => design_robust::by_robust(&problem, family, &mut outcome),
             None => Ok(None),
         },
+        DesignMethod::FixedOrder => match &fleet {
+            Some(fleet) => design_fixed_order::by_fixed_order(&problem, fleet, &mut outcome),
+            None => Ok(None),
+        },
         DesignMethod::H2Limit => by_limit(&problem, &goal, &mut outcome).map(|()| None),
     };
     let overflow = outcome.claimed.iter().find(|(_, v)| !v.is_finite()).map(|(name, _)| name.to_owned());
@@ -100,7 +109,10 @@ pub fn design(spec: &DesignSpec) -> Result<(DesignOutcome, Vec<Input>), StudyErr
             None
         }
     };
-    if let Some(k) = &controller {
+    if let (Some(fleet), Some(k)) = (&fleet, &controller) {
+        fleet.confirm(k, &mut outcome)?;
+    }
+    if let Some(k) = controller.as_ref().filter(|_| outcome.status != DesignStatus::Refused) {
         finish(&problem, k, &mut outcome)?;
     }
     let kept = controller.as_ref().filter(|_| outcome.status == DesignStatus::Designed);
@@ -118,7 +130,8 @@ pub fn design(spec: &DesignSpec) -> Result<(DesignOutcome, Vec<Input>), StudyErr
         outcome.notes.extend(shares.and_then(|b| continued(b, &outputs, whose)));
     }
     outcome.gains = problem.gains(kept)?;
-    Ok((outcome, problem.inputs))
+    let also = fleet.and_then(|f| f.input);
+    Ok((outcome, problem.inputs.into_iter().chain(also).collect()))
 }
 
 fn status_of(e: &SynthesisError, passive_is_stable: bool) -> DesignStatus {
@@ -141,7 +154,7 @@ fn finish(
 ) -> Result<(), StudyError> {
     let measured = match problem.measure(Some(k)) {
         Err(StudyError::Ride { source, .. })
-            if problem.spec.method.is_by_inequalities() && !matches!(source, RideError::Control(_)) =>
+            if problem.spec.method.takes_bounds() && !matches!(source, RideError::Control(_)) =>
         {
             design_advice::hidden(problem, outcome);
             return Ok(());
@@ -149,14 +162,16 @@ fn finish(
         measured => measured?,
     };
     if !measured.stable {
-        // of a robust gain, whose range need not hold the vehicle as stated
+        // of a controller for other vehicles, which need not hold the one as stated
         let slowest = measured.poles.iter().map(|p| p[0]).fold(f64::NEG_INFINITY, f64::max);
         outcome.status = DesignStatus::Refused;
+        let place = if problem.spec.range.is_empty() { "among [[plant]]" } else { "into the range" };
         outcome.why = Some(format!(
-            "the loop with the vehicle as stated is not stable (a pole with real part {}): put it into the range, or state one that is \
+            "the loop with the vehicle as stated is not stable (a pole with real part {}): put it {place}, or state one that is \
              in it (override)",
             design_words::short(slowest)
         ));
+        outcome.vertices.clear();
         return Ok(());
     }
     let mut measured = measured;
@@ -168,14 +183,14 @@ fn finish(
         outcome.objective.insert("verified", objective(problem, &measured));
     }
     outcome.warnings.extend(design_warnings::worse(problem, &outcome.passive, &measured));
-    if problem.spec.method.is_by_inequalities() {
-        outcome.warnings.extend(design_warnings::paces(&outcome.passive, &measured));
+    if problem.spec.method.takes_bounds() {
+        outcome.warnings.extend(design_warnings::paces(problem.spec.method, &outcome.passive, &measured));
     }
     let (before, after) = (outcome.objective.get("passive"), outcome.objective.get("verified"));
     if let (Some(before), Some(after)) = (before, after)
         && after > before
     {
-        let why = if problem.spec.method.is_by_inequalities() {
+        let why = if problem.spec.method.takes_bounds() {
             "bounds, poles or noise ask for that, or the promise is far above what is so"
         } else {
             "noise and weighted controls outweigh it"
@@ -197,18 +212,26 @@ fn finish(
     Ok(())
 }
 
-/// Σ(wᵢ‖Tᵢ‖₂/‖Gᵢ‖₂)², and of the methods by inequalities Σ(wᵢ‖Tᵢ‖∞/‖Gᵢ‖∞)² too; or max wᵢ‖Tᵢ‖∞/‖Gᵢ‖∞.
+/// Σ(wᵢ‖Tᵢ‖₂/‖Gᵢ‖₂)², and of the methods by inequalities Σ(wᵢ‖Tᵢ‖∞/‖Gᵢ‖∞)² too; or max wᵢ‖Tᵢ‖∞/‖Gᵢ‖∞; of `fixed-order`
+/// the larger one of this and √Σ(wᵢ‖Tᵢ‖₂/‖Gᵢ‖₂)².
 pub(super) fn objective(problem: &Problem, measured: &Measured) -> f64 {
     let hinf = |name: &str| measured.hinf.get(name).copied().unwrap_or(f64::INFINITY);
     if problem.spec.method == DesignMethod::Hinf {
         return problem.goals.iter().map(|g| g.weight * hinf(&g.name) / g.passive).fold(0.0, f64::max);
     }
+    let peaks = problem.peaks.iter().filter(|p| p.block.weight > 0.0).map(|p| &p.block);
+    let peaks = peaks.map(|b| b.weight * hinf(&b.name) / b.passive);
+    if problem.spec.method == DesignMethod::FixedOrder {
+        return peaks.fold(squared_h2(problem, measured).sqrt(), f64::max);
+    }
+    squared_h2(problem, measured) + peaks.map(|v| v * v).sum::<f64>()
+}
+
+/// Σ(wᵢ‖Tᵢ‖₂/‖Gᵢ‖₂)² + ρ‖u‖₂².
+pub(super) fn squared_h2(problem: &Problem, measured: &Measured) -> f64 {
     let h2 = |name: &str| measured.h2.get(name).and_then(|r| r.finite());
     let squared = |g: &GoalBlock| (g.weight * h2(&g.name).unwrap_or(f64::INFINITY) / g.passive).powi(2);
-    let peaks = problem.peaks.iter().filter(|p| p.block.weight > 0.0).map(|p| &p.block);
     // the weighted force belongs to the cost
     let force = h2("actuator_force").unwrap_or(0.0);
-    problem.goals.iter().map(squared).sum::<f64>()
-        + peaks.map(|b| (b.weight * hinf(&b.name) / b.passive).powi(2)).sum::<f64>()
-        + problem.spec.input_weight * force * force
+    problem.goals.iter().map(squared).sum::<f64>() + problem.spec.input_weight * force * force
 }

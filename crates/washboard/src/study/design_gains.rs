@@ -50,7 +50,8 @@ pub(super) fn fast_controller(problem: &Problem, passive: &Measured, found: [f64
         return None;
     }
     let noise = problem.spec.mixed.unwrap_or_default().sensor_noise;
-    let why = if noise == 0.0 {
+    let mixes = problem.spec.method == crate::study::DesignMethod::MixedH2Hinf;
+    let why = if mixes && noise == 0.0 {
         "measurements without noise let it differentiate, and its least objective has gains without bound: state \
          mixed.sensor_noise, or "
     } else {

@@ -28,6 +28,13 @@ pub struct Goal {
     /// Names of blocks of outputs with one joint norm.
     #[serde(default, skip_serializing_if = "Named::is_empty")]
     pub groups: Named<Vec<String>>,
+    /// States of the controller (`fixed-order`).
+    #[serde(
+        default,
+        skip_serializing_if = "Option::is_none",
+        deserialize_with = "super::design_pairs::order"
+    )]
+    pub order: Option<usize>,
     /// No pole of the controller may be faster, rad/s.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub max_pole_rad_s: Option<f64>,
@@ -50,8 +57,7 @@ fn setting(field: &'static str, expected: &str, found: String) -> StudyError {
 }
 
 impl DesignSpec {
-    /// The outputs that are to be small, in the method's norm: of the methods by inequalities in the H2 norm, and perhaps
-    /// none.
+    /// The outputs that are to be small, in the method's norm: of the methods with bounds in the H2 norm, and perhaps none.
     ///
     /// # Errors
     /// None given, or given in a norm that the method does not minimise.
@@ -64,6 +70,11 @@ impl DesignSpec {
             }
             let all = ["sprung_acceleration", "suspension_travel", "tire_deflection"];
             return Ok(all.iter().map(|n| ((*n).to_owned(), 1.0)).collect());
+        }
+        if self.method == DesignMethod::FixedOrder {
+            at_least_zero("goal.minimize_h2", &g.minimize_h2)?;
+            let above_zero = g.minimize_h2.iter().filter(|(_, w)| **w > 0.0);
+            return Ok(above_zero.map(|(n, w)| (n.to_owned(), *w)).collect());
         }
         let (own, own_name, other, other_name) = match self.method {
             DesignMethod::Hinf => {
@@ -92,10 +103,10 @@ impl DesignSpec {
         Ok(weights.clone())
     }
 
-    /// H∞ norms of the methods by inequalities, in the order in which they are named.
+    /// H∞ norms of the methods with bounds, in the order in which they are named.
     pub(super) fn hinf_parts(&self) -> Result<Vec<HinfPart>, StudyError> {
         let g = &self.goal;
-        if !self.method.is_by_inequalities() {
+        if !self.method.takes_bounds() {
             return Ok(Vec::new());
         }
         let mut parts: Vec<HinfPart> = Vec::new();
@@ -109,8 +120,16 @@ impl DesignSpec {
                 parts.push(HinfPart { name: name.to_owned(), weight: 0.0, bound: Some(*bound) });
             }
         }
-        at_least_zero("goal.minimize_hinf", &g.minimize_hinf)?;
-        for (name, weight) in g.minimize_hinf.iter().filter(|(_, w)| **w > 0.0) {
+        let (field, minimised) = match self.method {
+            // whose own norm this is
+            DesignMethod::FixedOrder if g.minimize_hinf.is_empty() => ("goal.minimize", &g.minimize),
+            DesignMethod::FixedOrder if !g.minimize.is_empty() => {
+                return Err(setting("goal.minimize_hinf", "either this or goal.minimize", "both".into()));
+            }
+            _ => ("goal.minimize_hinf", &g.minimize_hinf),
+        };
+        at_least_zero(field, minimised)?;
+        for (name, weight) in minimised.iter().filter(|(_, w)| **w > 0.0) {
             match parts.iter_mut().find(|p| p.name == name) {
                 Some(part) => part.weight = *weight,
                 None => parts.push(HinfPart { name: name.to_owned(), weight: *weight, bound: None }),

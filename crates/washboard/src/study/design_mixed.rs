@@ -69,7 +69,7 @@ pub(super) fn weights(problem: &Problem, sensor_noise: f64, added_weight: f64) -
 }
 
 /// Without the modes that no signal shows: they would be called unstable where they stand still.
-fn minimal(plant: GeneralizedPlant) -> Result<GeneralizedPlant, LtiError> {
+pub(super) fn minimal(plant: GeneralizedPlant) -> Result<GeneralizedPlant, LtiError> {
     let small = plant.system().minimal(MINIMAL)?;
     if small.order() == plant.order() {
         return Ok(plant);

@@ -172,7 +172,7 @@ impl DesignSpec {
     /// Refuses what only the designs by inequalities know of others, and numbers that they cannot have.
     pub(super) fn check_inequalities(&self) -> Result<(), StudyError> {
         let (g, method) = (&self.goal, self.method);
-        if !method.is_by_inequalities() {
+        if !method.takes_bounds() {
             let given = [
                 ("goal.bound", !g.bound.is_empty()),
                 ("goal.bound_hinf", !g.bound_hinf.is_empty()),
@@ -180,21 +180,29 @@ impl DesignSpec {
                 ("goal.max_pole_rad_s", g.max_pole_rad_s.is_some()),
                 ("goal.max_gain", g.max_gain.is_some()),
                 ("poles", self.poles.is_some()),
-                ("lyapunov_scale", !self.lyapunov_scale.is_searched()),
             ];
             if let Some((field, _)) = given.iter().find(|(_, given)| *given) {
                 let expected = format!(
-                    "nothing with method {}: mixed-h2-hinf and robust-state-feedback have it",
+                    "nothing with method {}: mixed-h2-hinf, robust-state-feedback and fixed-order have it",
                     method.name()
                 );
                 return Err(setting(field, expected, "a value"));
             }
         }
-        if method.is_by_inequalities() && self.lqg.is_some() {
-            let of = if method == DesignMethod::MixedH2Hinf {
-                "the sensors' noise is mixed.sensor_noise"
-            } else {
-                "its states have no noise"
+        if !method.is_by_inequalities() && !self.lyapunov_scale.is_searched() {
+            let expected = format!(
+                "nothing with method {}: mixed-h2-hinf and robust-state-feedback have it",
+                method.name()
+            );
+            return Err(setting("lyapunov_scale", expected, "a value"));
+        }
+        if method.takes_bounds() && self.lqg.is_some() {
+            let of = match method {
+                DesignMethod::MixedH2Hinf => "the sensors' noise is mixed.sensor_noise",
+                DesignMethod::FixedOrder => {
+                    "its sensors have no noise; goal.max_gain bounds what it makes of one"
+                }
+                _ => "its states have no noise",
             };
             let expected = format!("nothing with method {}: {of}", method.name());
             return Err(setting("lqg", expected, "a section"));
@@ -220,7 +228,6 @@ impl DesignSpec {
         }
         for (field, given, own) in [
             ("range", !self.range.is_empty(), DesignMethod::RobustStateFeedback),
-            ("plant", !self.plant.is_empty(), DesignMethod::RobustStateFeedback),
             ("truncate_to", !self.truncate_to.is_empty(), DesignMethod::MixedH2Hinf),
             ("mixed", self.mixed.is_some(), DesignMethod::MixedH2Hinf),
         ] {
@@ -228,6 +235,15 @@ impl DesignSpec {
                 let expected = format!("nothing with method {}: it is of {}", method.name(), own.name());
                 return Err(setting(field, expected, "a value"));
             }
+        }
+        if !self.plant.is_empty()
+            && !matches!(method, DesignMethod::RobustStateFeedback | DesignMethod::FixedOrder)
+        {
+            let expected = format!(
+                "nothing with method {}: it is of robust-state-feedback and fixed-order",
+                method.name()
+            );
+            return Err(setting("plant", expected, "a value"));
         }
         if method == DesignMethod::RobustStateFeedback && g.max_pole_rad_s.is_some() {
             let expected = "nothing: a state feedback has no poles of its own; poles = { max_abs_rad_s = … } bounds the loop's";

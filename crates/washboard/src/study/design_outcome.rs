@@ -1,6 +1,7 @@
 //! What a design gives, as it is written to `result.json`.
 
 use super::beyond_band::BeyondBand;
+use super::design_fixed_outcome::FixedOrderOutcome;
 use super::{DesignSpec, Flag, Named, Rms};
 use crate::linalg::Mat;
 use crate::lti::{Continuous, LtiError, StateSpace};
@@ -30,7 +31,10 @@ pub struct DesignOutcome {
     /// Where the bounds cannot be met: the smallest that can, multiples of the passive norms, all raised by one factor.
     #[serde(default, skip_serializing_if = "Named::is_empty")]
     pub feasible_bound: Named<f64>,
-    /// The vehicles that a robust gain is for, and the middle of their range.
+    /// How `fixed-order` searched, and what holds its optimum.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub fixed_order: Option<FixedOrderOutcome>,
+    /// The vehicles that one controller is for, and the middle of their range.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub vertices: Vec<DesignVertex>,
     /// The gain of the vehicle as stated alone, beside the robust one.
@@ -41,7 +45,7 @@ pub struct DesignOutcome {
     pub truncated: Vec<TruncatedController>,
     /// The vehicle without control.
     pub passive: Measured,
-    /// The value of the goal: 1 or the like for the passive vehicle, smaller is better.
+    /// The value of the goal: 1 or the like for the passive vehicle, smaller is better; `worst` of several vehicles.
     pub objective: Named<f64>,
     /// What a reader must know before the numbers.
     pub warnings: Vec<Flag>,
@@ -104,7 +108,7 @@ pub struct DesignVertex {
     pub corner: bool,
     /// Without control.
     pub passive: Measured,
-    /// With the robust gain.
+    /// With the controller of all of them.
     pub closed: Measured,
     /// With the gain of the vehicle as stated.
     #[serde(default, skip_serializing_if = "Option::is_none")]

@@ -4,6 +4,9 @@ use super::Named;
 use serde::de::{Error, IgnoredAny};
 use serde::{Deserialize, Deserializer};
 
+/// States of a controller that is searched entry by entry.
+pub(super) const MOST_ORDER: usize = 60;
+
 /// What may stand where two numbers are to.
 #[derive(Deserialize)]
 #[serde(untagged)]
@@ -48,6 +51,31 @@ pub(super) fn ranges<'de, D: Deserializer<'de>>(d: D) -> Result<Named<[f64; 2]>,
 pub(super) fn psi<'de, D: Deserializer<'de>>(d: D) -> Result<Option<[f64; 2]>, D::Error> {
     let written: Option<Written> = Option::deserialize(d)?;
     written.map(|w| two("interpolation.psi", w)).transpose().map_err(D::Error::custom)
+}
+
+/// `goal.order`: a whole number.
+pub(super) fn order<'de, D: Deserializer<'de>>(d: D) -> Result<Option<usize>, D::Error> {
+    let expected = format!("goal.order: expected a whole number from 0 to {MOST_ORDER}");
+    whole(d, MOST_ORDER, &expected).map(Some)
+}
+
+/// `order` of a part of a decentralised controller.
+pub(super) fn local_order<'de, D: Deserializer<'de>>(d: D) -> Result<usize, D::Error> {
+    whole(d, MOST_ORDER, &format!("local.order: expected a whole number from 0 to {MOST_ORDER}"))
+}
+
+fn whole<'de, D: Deserializer<'de>>(d: D, most: usize, expected: &str) -> Result<usize, D::Error> {
+    #[derive(Deserialize)]
+    #[serde(untagged)]
+    enum Number {
+        Number(f64),
+        Other(IgnoredAny),
+    }
+    match Number::deserialize(d)? {
+        Number::Number(v) if v.fract() == 0.0 && v >= 0.0 && v <= most as f64 => Ok(v as usize),
+        Number::Number(v) => Err(D::Error::custom(format!("{expected}, found {v}"))),
+        Number::Other(_) => Err(D::Error::custom(format!("{expected}, found something else"))),
+    }
 }
 
 /// `truncate_to`: whole numbers above 0.

@@ -63,10 +63,16 @@ impl Problem {
         }
         let weights = spec.weights()?;
         let peaks = spec.hinf_parts()?;
-        if weights.is_empty() && peaks.is_empty() && spec.goal.bound_h2.is_empty() && spec.poles.is_none() {
+        let by_poles = spec.method.is_by_inequalities();
+        if weights.is_empty()
+            && peaks.is_empty()
+            && spec.goal.bound_h2.is_empty()
+            && !(by_poles && spec.poles.is_some())
+        {
+            let poles = if by_poles { ", bounds, or poles" } else { ", or bounds" };
             return Err(StudyError::Setting {
                 field: "goal.minimize",
-                expected: "outputs and their weights, bounds, or poles".into(),
+                expected: format!("outputs and their weights{poles}"),
                 found: "none".into(),
             });
         }

@@ -38,7 +38,7 @@ pub struct VertexRow {
     pub passive: Option<f64>,
     /// With the gain of the vehicle as stated.
     pub nominal: Option<f64>,
-    /// With the robust gain.
+    /// With the controller of all of them.
     pub robust: Option<f64>,
 }
 
@@ -89,7 +89,7 @@ impl DesignOutcome {
         let place = |v: &DesignVertex| {
             let fields: Vec<String> = v.at.iter().map(|(n, x)| format!("{n} = {x}")).collect();
             let middle = if v.corner { "" } else { " (the middle)" };
-            fields.join(", ") + middle
+            if fields.is_empty() { "as stated".to_owned() } else { fields.join(", ") + middle }
         };
         let table = |quantity: String, unit: String, of: &dyn Fn(&DesignVertex) -> [Option<f64>; 3]| {
             let row = |v: &DesignVertex| {

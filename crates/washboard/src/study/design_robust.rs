@@ -49,7 +49,7 @@ impl Family {
         let bases: Vec<Vec<(String, f64)>> = if spec.plant.is_empty() {
             vec![Vec::new()]
         } else {
-            spec.plant.iter().map(|p| p.iter().map(|(n, v)| (n.to_owned(), *v)).collect()).collect()
+            spec.plant.iter().map(named_fields).collect()
         };
         check_apart(problem)?;
         let (mut vertices, mut middles) = (Vec::new(), Vec::new());
@@ -104,17 +104,10 @@ impl Vertex {
     fn new(problem: &Problem, fields: Vec<(String, f64)>) -> Result<Self, StudyError> {
         let field = if problem.spec.plant.is_empty() { "range" } else { "plant" };
         let at: Named<f64> = fields.iter().cloned().collect();
-        let wrong = |found: String| StudyError::Setting {
-            field,
-            expected: "fields and values of the vehicle".into(),
-            found: if found.ends_with("expected a finite number") {
-                format!("{}: values so small or large that the vehicle's equations overflow", words(&at))
-            } else {
-                format!("{}: {found}", words(&at))
-            },
-        };
         let own = problem.at(&fields).map_err(|e| match e {
-            StudyError::Vehicle { source, .. } if !fields.is_empty() => wrong(source.to_string()),
+            StudyError::Vehicle { source, .. } if !fields.is_empty() => {
+                wrong_fields(field, &at, &source.to_string())
+            }
             other => other,
         })?;
         let fail = |e: SynthesisError| StudyError::Design {
@@ -152,6 +145,24 @@ fn check_apart(problem: &Problem) -> Result<(), StudyError> {
         }
     }
     Ok(())
+}
+
+/// Fields and values as a vehicle takes them.
+pub(super) fn named_fields(of: &Named<f64>) -> Vec<(String, f64)> {
+    of.iter().map(|(n, v)| (n.to_owned(), *v)).collect()
+}
+
+/// A vehicle that its fields make none of.
+pub(super) fn wrong_fields(field: &'static str, at: &Named<f64>, found: &str) -> StudyError {
+    StudyError::Setting {
+        field,
+        expected: "fields and values of the vehicle".into(),
+        found: if found.ends_with("expected a finite number") {
+            format!("{}: values so small or large that the vehicle's equations overflow", words(at))
+        } else {
+            format!("{}: {found}", words(at))
+        },
+    }
 }
 
 /// Fields and values.

@@ -1,5 +1,6 @@
 //! What a design is told: a DESIGN.toml as data.
 
+use super::design_fixed_spec::{FixedOrderSection, LocalSection, StructureSpec};
 use super::design_mixed_spec::{LyapunovScaleSpec, MixedSection, PolesSection};
 use super::{Goal, Named, StudyError};
 use crate::vehicle::Disturbance;
@@ -59,7 +60,7 @@ pub struct DesignSpec {
         deserialize_with = "super::design_pairs::ranges"
     )]
     pub range: Named<[f64; 2]>,
-    /// Vehicle fields of further vehicles that the same gain is for.
+    /// Vehicle fields of the vehicles that one controller is for: with `robust-state-feedback` each has the whole range.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub plant: Vec<Named<f64>>,
     /// Orders to which the controller is truncated too, each in its own loop (`mixed-h2-hinf`).
@@ -72,6 +73,21 @@ pub struct DesignSpec {
     /// Noise and back-off of `mixed-h2-hinf`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub mixed: Option<MixedSection>,
+    /// Which entries of the controller are free (`fixed-order`): all where it is left out.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub structure: Option<StructureSpec>,
+    /// Time constant of the derivative's filter of `structure = "pid"`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub pid_filter_s: Option<f64>,
+    /// The parts of `structure = "decentralised"`.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub local: Vec<LocalSection>,
+    /// A controller to begin with: a design's directory or `result.json`, or a file `{a, b, c, d, inputs, outputs}`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub start: Option<String>,
+    /// How long `fixed-order` looks.
+    #[serde(default, rename = "fixed-order", skip_serializing_if = "Option::is_none")]
+    pub fixed_order: Option<FixedOrderSection>,
     /// Step of the controller as it is written for use, s; none without it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub discretize: Option<Discretize>,
@@ -99,6 +115,8 @@ pub enum DesignMethod {
     MixedH2Hinf,
     /// The same by one gain from the vehicle's states, for a range of vehicles.
     RobustStateFeedback,
+    /// The least largest of H∞ and H2 norms under bounds, by controllers of given order and structure.
+    FixedOrder,
     /// A quarter car's acceleration of an LQG design for a tire of more damping, interpolated on the real one.
     Interpolation,
 }
@@ -110,6 +128,12 @@ impl DesignMethod {
         matches!(self, DesignMethod::MixedH2Hinf | DesignMethod::RobustStateFeedback)
     }
 
+    /// Whether it takes bounds beside its goal.
+    #[must_use]
+    pub fn takes_bounds(self) -> bool {
+        self.is_by_inequalities() || self == DesignMethod::FixedOrder
+    }
+
     /// As it is written.
     #[must_use]
     pub fn name(self) -> &'static str {
@@ -119,6 +143,7 @@ impl DesignMethod {
             DesignMethod::Hinf => "hinf",
             DesignMethod::MixedH2Hinf => "mixed-h2-hinf",
             DesignMethod::RobustStateFeedback => "robust-state-feedback",
+            DesignMethod::FixedOrder => "fixed-order",
             DesignMethod::Interpolation => "interpolation",
         }
     }
@@ -234,9 +259,9 @@ impl DesignSpec {
     /// A file that can't be read, an unknown key with the nearest that is.
     pub fn read(path: &std::path::Path) -> Result<Self, StudyError> {
         let mut spec: DesignSpec = crate::files::read_toml(path)?;
-        for name in [&mut spec.vehicle, &mut spec.road] {
+        let folder = path.parent().unwrap_or(std::path::Path::new(""));
+        for name in [&mut spec.vehicle, &mut spec.road].into_iter().chain(spec.start.as_mut()) {
             if !name.starts_with("case:") {
-                let folder = path.parent().unwrap_or(std::path::Path::new(""));
                 *name = folder.join(PathBuf::from(name.as_str())).display().to_string();
             }
         }
@@ -278,6 +303,7 @@ impl DesignSpec {
             let (field, expected) = ("discretize.dt_s", "1e-9 to 100 s".to_owned());
             return Err(StudyError::Setting { field, expected, found: format!("{:e}", d.dt_s) });
         }
+        self.check_fixed_order()?;
         self.check_inequalities()
     }
 }

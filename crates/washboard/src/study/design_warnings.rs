@@ -3,7 +3,9 @@
 use super::design_outcome::Measured;
 use super::design_problem::Problem;
 use super::design_words::short;
-use super::{DesignDisturbance, Discretize, DiscretizeRule, Flag, Infinite, Named, Rms, StudyError};
+use super::{
+    DesignDisturbance, DesignMethod, Discretize, DiscretizeRule, Flag, Infinite, Named, Rms, StudyError,
+};
 use crate::lti::{Continuous, StateSpace};
 use crate::synthesis::SynthesisError;
 
@@ -48,7 +50,11 @@ pub(super) fn sampled_loop(
 }
 
 /// Warnings where the loop has poles far slower or faster than any of the vehicle.
-pub(super) fn paces(passive: &Measured, closed: &Measured) -> Vec<Flag> {
+pub(super) fn paces(method: DesignMethod, passive: &Measured, closed: &Measured) -> Vec<Flag> {
+    let slower = match method {
+        DesignMethod::FixedOrder => "ask for a smaller goal.max_pole_rad_s or a goal.max_gain",
+        _ => "ask for poles = { max_abs_rad_s = … }, or weight the control (input_weight)",
+    };
     let slowest = |m: &Measured| m.poles.iter().map(|p| -p[0]).fold(f64::INFINITY, f64::min);
     let fastest = |m: &Measured| m.poles.iter().map(|p| p[0].hypot(p[1])).fold(0.0, f64::max);
     let flag = |name: &str, text: String| Flag { name: name.into(), text };
@@ -65,8 +71,7 @@ pub(super) fn paces(passive: &Measured, closed: &Measured) -> Vec<Flag> {
     let (before, after) = (fastest(passive), fastest(closed));
     let fast = (after > PACE * before).then(|| {
         let text = format!(
-            "the loop has a pole at {} rad/s, where the vehicle's fastest is at {}: no actuator follows; ask for poles = {{ max_abs_rad_s \
-             = … }}, or weight the control (input_weight)",
+            "the loop has a pole at {} rad/s, where the vehicle's fastest is at {}: no actuator follows; {slower}",
             short(after),
             short(before)
         );

@@ -19,6 +19,12 @@ impl DesignOutcome {
     pub fn verdict(&self) -> String {
         match self.status {
             DesignStatus::Designed => {
+                if self.order == Some(0) && self.design.method == DesignMethod::FixedOrder {
+                    let (k, of) =
+                        (self.controller.as_ref().map_or(0, |k| k.inputs.len()), self.for_how_many());
+                    let many = if k == 1 { "measurement" } else { "measurements" };
+                    return format!("a gain from {k} {many}, confirmed by its loop{of}");
+                }
                 if self.order == Some(0) {
                     let of = if self.vertices.is_empty() { "" } else { ", for the whole range" };
                     return format!(
@@ -27,15 +33,29 @@ impl DesignOutcome {
                     );
                 }
                 let price = if self.warnings.is_empty() { "" } else { ", with a price" };
-                format!("a controller of order {}, confirmed by its loop{price}", self.order.unwrap_or(0))
+                let of = self.for_how_many();
+                format!("a controller of order {}, confirmed by its loop{of}{price}", self.order.unwrap_or(0))
             }
             DesignStatus::Limit => "what no controller can beat".to_owned(),
+            DesignStatus::Infeasible if self.design.method == DesignMethod::FixedOrder => {
+                "no controller of this order and structure was found that keeps the bounds".to_owned()
+            }
             DesignStatus::Infeasible => "what is asked cannot be had, so there is no controller".to_owned(),
             DesignStatus::Stalled => "the method did not find a controller".to_owned(),
             DesignStatus::Refused if self.design.method.is_by_inequalities() => {
                 "a controller was found, but it is not what is asked".to_owned()
             }
             DesignStatus::Refused => "a controller was found, but its loop contradicts its claim".to_owned(),
+        }
+    }
+
+    /// Of a fixed-order design for several vehicles.
+    fn for_how_many(&self) -> String {
+        match self.design.plant.len() {
+            2.. if self.design.method == DesignMethod::FixedOrder => {
+                format!(", for {} vehicles", self.design.plant.len())
+            }
+            _ => String::new(),
         }
     }
 
@@ -64,6 +84,10 @@ impl DesignOutcome {
     pub fn goal_words(&self) -> &'static str {
         match self.design.method {
             DesignMethod::Hinf => "largest of the weighted peak gains",
+            DesignMethod::FixedOrder if self.design.goal.minimize_h2.is_empty() => {
+                "largest of the weighted peak gains"
+            }
+            DesignMethod::FixedOrder => "largest of the weighted norms",
             _ if !self.design.goal.minimize_hinf.is_empty() => "weighted norms, squared and summed",
             _ => "weighted H2 norms, squared and summed",
         }
@@ -160,7 +184,7 @@ pub(super) fn unused(problem: &Problem) -> Option<Flag> {
 }
 
 /// Two numbers with as many digits as it takes to tell them apart.
-fn apart(one: f64, other: f64) -> [String; 2] {
+pub(super) fn apart(one: f64, other: f64) -> [String; 2] {
     let difference = (one - other).abs() / one.abs().max(other.abs());
     let digits = if difference > 0.0 { (1.0 - difference.log10()).ceil().clamp(2.0, 16.0) } else { 16.0 };
     [one, other].map(|v| format!("{v:.*e}", digits as usize))
@@ -298,6 +322,9 @@ pub(super) fn short_numbers(text: &str) -> String {
 pub(super) fn short(v: f64) -> String {
     if v == 0.0 {
         return "0".into();
+    }
+    if v < 0.0 {
+        return format!("-{}", short(-v));
     }
     if !(1e-3..1e5).contains(&v) {
         let text = format!("{v:.*e}", DIGITS - 1);

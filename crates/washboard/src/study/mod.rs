@@ -14,6 +14,15 @@ mod demo;
 mod design;
 mod design_advice;
 mod design_blocks;
+mod design_fixed_confirm;
+mod design_fixed_order;
+mod design_fixed_outcome;
+mod design_fixed_rows;
+mod design_fixed_search;
+mod design_fixed_spec;
+mod design_fixed_starts;
+mod design_fixed_structure;
+mod design_fixed_words;
 mod design_gains;
 mod design_goal;
 mod design_interpolation;
@@ -98,6 +107,11 @@ pub use controller_files::{controller_files, mat5, read_controller};
 pub use damping::{DampingOnRoad, DampingOutcome, EquivalentDamper, damping};
 pub use demo::demo;
 pub use design::design;
+pub use design_fixed_outcome::*;
+pub use design_fixed_rows::{SearchRow, TargetRow};
+pub use design_fixed_spec::{
+    FixedOrderSection, FreeEntry, LocalSection, StructureEntry, StructureKind, StructureSpec,
+};
 pub use design_goal::Goal;
 pub use design_mixed_spec::{LyapunovScaleSpec, MixedSection, PolesSection};
 pub use design_outcome::*;

@@ -1,0 +1,91 @@
+//! A fixed-order search as rows: goals and bounds with what holds the optimum, and what was done.
+
+use super::design_fixed_outcome::{FixedOrderTarget, TargetAim, TargetNorm};
+use super::design_outcome::DesignOutcome;
+use super::design_words::short;
+
+/// A goal or a bound.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TargetRow {
+    /// Which vehicle; empty where there is one.
+    pub vehicle: String,
+    /// The output, with its norm.
+    pub name: String,
+    /// Minimised or bounded.
+    pub aim: &'static str,
+    /// As a share of the bound, or weighted over the passive norm.
+    pub relative: f64,
+    /// Whether it holds the optimum, and how much.
+    pub multiplier: f64,
+    /// Frequencies of the peaks that do, Hz.
+    pub peaks: String,
+}
+
+/// A number of the search, in words.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SearchRow {
+    /// Which.
+    pub words: &'static str,
+    /// Its value.
+    pub value: String,
+}
+
+/// Peaks that a row names.
+const MOST_PEAKS: usize = 6;
+
+/// Those that three digits tell apart.
+fn peaks(active_hz: &[f64]) -> String {
+    let mut all: Vec<String> = active_hz.iter().map(|f| short(*f)).collect();
+    all.dedup();
+    let more = all.len().saturating_sub(MOST_PEAKS);
+    all.truncate(MOST_PEAKS);
+    let more = if more > 0 { format!(" and {more} more") } else { String::new() };
+    all.join(", ") + &more
+}
+
+impl DesignOutcome {
+    /// Goals and bounds of a fixed-order design.
+    #[must_use]
+    pub fn target_rows(&self) -> Vec<TargetRow> {
+        let row = |t: &FixedOrderTarget| TargetRow {
+            vehicle: t.vehicle.map(|k| k.to_string()).unwrap_or_default(),
+            name: match (t.norm, t.aim) {
+                (TargetNorm::H2, TargetAim::Goal) => "all of minimize_h2, H2".to_owned(),
+                (TargetNorm::H2, TargetAim::Bound) => format!("{}, H2", t.name),
+                (TargetNorm::Hinf, _) => format!("{}, H∞", t.name),
+            },
+            aim: match t.aim {
+                TargetAim::Goal => "goal",
+                TargetAim::Bound => "bound",
+            },
+            relative: t.relative,
+            multiplier: t.multiplier,
+            peaks: peaks(&t.active_hz),
+        };
+        self.fixed_order.iter().flat_map(|f| &f.targets).map(row).collect()
+    }
+
+    /// What a fixed-order search did, and how near to a local optimum it ended.
+    #[must_use]
+    pub fn search_rows(&self) -> Vec<SearchRow> {
+        let Some(f) = &self.fixed_order else { return Vec::new() };
+        let yes = |b: bool| if b { "yes" } else { "no" }.to_owned();
+        let mut rows = vec![
+            SearchRow { words: "starts, of all orders designed", value: f.starts.to_string() },
+            SearchRow { words: "of them led to a stable loop", value: f.stabilised.to_string() },
+        ];
+        let mut more = |words, value: Option<String>| {
+            rows.extend(value.map(|value| SearchRow { words, value }));
+        };
+        let count = |name: &str| f.work.get(name).map(usize::to_string);
+        more("least largest real part of a pole, rad/s", f.abscissa_rad_s.map(short));
+        more("no model promised more (converged)", (!f.targets.is_empty()).then(|| yes(f.converged)));
+        more("steepest descent of the gradients around it", f.stationarity.map(|s| short(s.distance)));
+        more("largest excess of a bound, %", f.violation.map(|v| short(100.0 * v)));
+        more("loops closed", count("loops"));
+        more("factorisations at a frequency", count("factorisations"));
+        more("eigenvalue problems", count("eigenproblems"));
+        more("Lyapunov equations", count("lyapunov"));
+        rows
+    }
+}
