@@ -118,7 +118,7 @@ fn main() {
             eprint!("\r\x1b[K");
         }
         match end {
-            FixedOrderEnd::NotStabilised { abscissa } => {
+            FixedOrderEnd::NotStabilised { abscissa, .. } => {
                 println!("{name:<9} {sizes}   not stabilised: least abscissa {abscissa:.3e}   {time:.2} s");
             }
             FixedOrderEnd::Designed(d) | FixedOrderEnd::BoundsNotMet(d) => {

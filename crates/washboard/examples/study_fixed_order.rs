@@ -1,13 +1,15 @@
 //! Fixed-order controllers of the thesis's quarter car (section 5.3) and full car (section 7.3).
 //!
-//! `cargo run --release -p washboard --example study_fixed_order [quarter|damping|robust|h2|full|full-h2] [ORDER...]`
+//! `cargo run --release -p washboard --example study_fixed_order [quarter|damping|robust|beaten|full|full-h2] [ORDER...]`
 
 #![allow(clippy::print_stdout, clippy::indexing_slicing, dead_code)]
 
 #[path = "common/lmi_cars.rs"]
 mod lmi_cars;
 
-use lmi_cars::{COMFORT, HEIGHTS, NOISES, TIRE, TRAVEL, full_car_with_heights, gain, h2};
+use lmi_cars::{
+    COMFORT, HEIGHTS, NOISES, TIRE, TRAVEL, full_car_on_heights, full_car_with_heights, gain, h2,
+};
 use std::error::Error;
 use std::time::Instant;
 use washboard::cases;
@@ -82,7 +84,7 @@ fn design(
     let end = fixed_order(of, settings)?;
     let took = begun.elapsed().as_secs_f64();
     let (d, how) = match end {
-        FixedOrderEnd::NotStabilised { abscissa } => {
+        FixedOrderEnd::NotStabilised { abscissa, .. } => {
             println!("order {}: not stabilised, {abscissa:e}, {took:.2} s", of.structure.order());
             return Ok(None);
         }
@@ -123,12 +125,141 @@ fn quarter_table(orders: &[usize]) -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-fn full(orders: &[usize]) -> Result<(), Box<dyn Error>> {
-    let plant = full_car_with_heights()?;
+/// The dependence on tire damping (figures 5.9–5.12): each point begun from the one before.
+fn damping(orders: &[usize]) -> Result<(), Box<dyn Error>> {
+    for order in orders {
+        let mut start: Vec<StateSpace<Continuous>> = Vec::new();
+        for ct in [98.0, 75.0, 50.0, 25.0, 10.0, 5.0, 1.0] {
+            let plant = quarter(ct)?;
+            let passive = plant.passive();
+            let mut of = asked(vec![plant.clone()], quarter_targets(0, &passive, [1.0, 1.0])?, *order);
+            of.starts.clone_from(&start);
+            let FixedOrderEnd::Designed(d) = fixed_order(&of, &FixedOrderSettings::default())? else {
+                println!("order {order}, c_t {ct}: bounds not met");
+                continue;
+            };
+            let [z1, z2, z3] = rms(&plant, &d.controller)?;
+            let p: Vec<f64> =
+                (0..3).map(|r| Ok(W.sqrt() * h2(&passive, &[r])?)).collect::<Result<_, LtiError>>()?;
+            println!(
+                "order {order}, c_t {ct}: goal {:.5}; rms {z1:.5} {z2:.6} {z3:.6} (passive {:.5} {:.6} {:.6})",
+                d.verified_goal.unwrap_or(f64::NAN),
+                p[0],
+                p[1],
+                p[2]
+            );
+            start = vec![d.controller.clone()];
+        }
+    }
+    Ok(())
+}
+
+/// One controller for several tires, beside a controller for each alone, under each of them.
+fn robust(orders: &[usize]) -> Result<(), Box<dyn Error>> {
+    const CT: [f64; 4] = [0.0, 25.0, 50.0, 98.0];
+    let plants = CT.iter().map(|ct| quarter(*ct)).collect::<Result<Vec<_>, _>>()?;
+    let mut targets = Vec::new();
+    for (k, p) in plants.iter().enumerate() {
+        targets.extend(quarter_targets(k, &p.passive(), [1.0, 1.0])?);
+    }
+    let worst = |k: &StateSpace<Continuous>| -> Result<(f64, f64), Box<dyn Error>> {
+        let (mut goal, mut excess) = (0.0f64, 0.0f64);
+        for (i, p) in plants.iter().enumerate() {
+            let closed = p.close(k)?;
+            for t in targets.iter().filter(|t| t.plant == i) {
+                let Measure::Hinf(c) = &t.measure else { continue };
+                let norm =
+                    if closed.is_stable()? { gain(&closed, &[c.outputs[0].0])? } else { f64::INFINITY };
+                match t.aim {
+                    Aim::Goal(unit) => goal = goal.max(norm / unit),
+                    Aim::Bound(limit) => excess = excess.max(norm / limit - 1.0),
+                }
+            }
+        }
+        Ok((goal, excess))
+    };
+    for order in orders {
+        println!("one controller for c_t = {CT:?}");
+        let mut starts = Vec::new();
+        for (k, ct) in CT.iter().enumerate() {
+            let alone: Vec<Target> =
+                targets.iter().filter(|t| t.plant == k).map(|t| Target { plant: 0, ..t.clone() }).collect();
+            if let FixedOrderEnd::Designed(d) =
+                fixed_order(&asked(vec![plants[k].clone()], alone, *order), &FixedOrderSettings::default())?
+            {
+                let (goal, excess) = worst(&d.controller)?;
+                println!(
+                    "  for c_t = {ct} alone: {:.5} there; worst of all four {goal:.5}, bounds exceeded by {excess:.2e}",
+                    d.verified_goal.unwrap_or(f64::NAN)
+                );
+                starts.push(d.controller.clone());
+            }
+        }
+        let mut of = asked(plants.clone(), targets.clone(), *order);
+        of.starts = starts;
+        if let Some(d) = design(&of, &FixedOrderSettings::default())? {
+            println!("  worst of all four {:?}", worst(&d.controller)?);
+            for v in d.values.iter().zip(&targets).filter(|(_, t)| matches!(t.aim, Aim::Goal(_))) {
+                if let Aim::Goal(unit) = v.1.aim {
+                    println!("    c_t = {}: {:.5}", CT[v.1.plant], v.0.value / unit);
+                }
+            }
+        }
+    }
+    Ok(())
+}
+
+/// All rms together below a printed row: the largest of the three over the row's is minimised, the norms bounded as before.
+fn beaten(orders: &[usize]) -> Result<(), Box<dyn Error>> {
+    // table 5.2, n_K = 1 … 4
+    const ROWS: [[f64; 3]; 4] = [
+        [0.4627, 0.0040, 0.0016],
+        [0.4746, 0.0041, 0.0016],
+        [0.4763, 0.0041, 0.0016],
+        [0.4748, 0.0040, 0.0016],
+    ];
+    let plant = quarter(98.0)?;
     let passive = plant.passive();
+    for (bounds, goal_bound) in [(true, Some(0.4543)), (true, None), (false, None)] {
+        for order in orders {
+            for row in &ROWS[..1] {
+                let mut targets = Vec::new();
+                if bounds {
+                    targets = quarter_targets(0, &passive, [1.0, 1.0])?;
+                    match goal_bound {
+                        Some(share) => targets[0].aim = Aim::Bound(share * gain(&passive, &[0])?),
+                        None => drop(targets.remove(0)),
+                    }
+                }
+                for (z, rms) in row.iter().enumerate() {
+                    targets.push(Target {
+                        plant: 0,
+                        measure: Measure::H2(channel(&[z], &[])),
+                        aim: Aim::Goal(rms / W.sqrt()),
+                        name: format!("rms of {}", Z[z]),
+                    });
+                }
+                println!("bounds on norms {bounds}, ‖T₁‖∞ ≤ {goal_bound:?} of passive, row {row:?}");
+                if let Some(d) =
+                    design(&asked(vec![plant.clone()], targets, *order), &FixedOrderSettings::default())?
+                {
+                    let closed = plant.close(&d.controller)?;
+                    let norms: Vec<f64> = (0..3)
+                        .map(|r| Ok(gain(&closed, &[r])? / gain(&passive, &[r])?))
+                        .collect::<Result<_, LtiError>>()?;
+                    println!("    rms {:?}; norms over passive {norms:?}", rms(&plant, &d.controller)?);
+                }
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Λ₁, β₁ and β₂ of problem 7.3.1, in the rows of the full car from `heights`.
+fn full_targets(passive: &StateSpace<Continuous>, heights: &[usize]) -> Result<Vec<Target>, LtiError> {
     let from =
-        |rows: &[usize]| -> Result<f64, LtiError> { Ok(passive.select(rows, &HEIGHTS)?.hinf_norm()?.norm) };
-    let mut comfort = channel(&COMFORT, &HEIGHTS);
+        |rows: &[usize]| -> Result<f64, LtiError> { Ok(passive.select(rows, heights)?.hinf_norm()?.norm) };
+    let mut comfort = channel(&COMFORT, heights);
     for (row, weight) in &mut comfort.outputs {
         *weight = 1.0 / from(&[*row])?;
     }
@@ -138,24 +269,76 @@ fn full(orders: &[usize]) -> Result<(), Box<dyn Error>> {
         aim,
         name: name.into(),
     };
-    let targets = vec![
+    Ok(vec![
         hinf(comfort, Aim::Goal(1.0), "accelerations"),
-        hinf(channel(&TRAVEL, &HEIGHTS), Aim::Bound(1.1 * from(&TRAVEL)?), "travel"),
-        hinf(channel(&TIRE, &HEIGHTS), Aim::Bound(1.2 * from(&TIRE)?), "tire"),
-    ];
+        hinf(channel(&TRAVEL, heights), Aim::Bound(1.1 * from(&TRAVEL)?), "travel"),
+        hinf(channel(&TIRE, heights), Aim::Bound(1.2 * from(&TIRE)?), "tire"),
+    ])
+}
+
+fn full_rms(with_noise: &GeneralizedPlant, k: &StateSpace<Continuous>) -> Result<[f64; 5], LtiError> {
+    let closed = with_noise.close(k)?.select(&(0..15).collect::<Vec<_>>(), &NOISES)?;
+    Ok([
+        h2(&closed, &[0])?,
+        h2(&closed, &[1])?,
+        h2(&closed, &[2])?,
+        h2(&closed, &TRAVEL)?,
+        h2(&closed, &TIRE)?,
+    ])
+}
+
+/// Table 7.2's problem.
+fn full(orders: &[usize]) -> Result<(), Box<dyn Error>> {
+    let (plant, with_noise) = (full_car_on_heights()?, full_car_with_heights()?);
+    let targets = full_targets(&plant.passive(), &[0, 1, 2, 3])?;
+    let mut starts = Vec::new();
     for order in orders {
-        let of = asked(vec![plant.clone()], targets.clone(), *order);
+        let mut of = asked(vec![plant.clone()], targets.clone(), *order);
+        of.starts.clone_from(&starts);
         let settings = FixedOrderSettings { lower_orders: false, ..FixedOrderSettings::default() };
         if let Some(d) = design(&of, &settings)? {
-            let closed = plant.close(&d.controller)?.select(&(0..15).collect::<Vec<_>>(), &NOISES)?;
-            println!(
-                "    rms {:.5} {:.5} {:.5}; travel {:.5}, tire {:.5}",
-                h2(&closed, &[0])?,
-                h2(&closed, &[1])?,
-                h2(&closed, &[2])?,
-                h2(&closed, &TRAVEL)?,
-                h2(&closed, &TIRE)?
-            );
+            println!("    rms {:.5?}", full_rms(&with_noise, &d.controller)?);
+            starts.push(d.controller.clone());
+        }
+    }
+    Ok(())
+}
+
+/// The same with an H2 goal: every rms below the printed row of order 6.
+fn full_h2(orders: &[usize]) -> Result<(), Box<dyn Error>> {
+    // accelerations, travel, tire
+    const ROW: [f64; 5] = [1.8795, 1.3157, 3.0871, 0.0765, 0.0237];
+    let plant = full_car_with_heights()?;
+    let bounds = full_targets(&plant.passive(), &HEIGHTS)?;
+    let parts: [(&[usize], f64, &str); 5] = [
+        (&COMFORT[..1], ROW[0], "heave"),
+        (&COMFORT[1..2], ROW[1], "pitch"),
+        (&COMFORT[2..3], ROW[2], "roll"),
+        (&TRAVEL, ROW[3], "travel"),
+        (&TIRE, ROW[4], "tire"),
+    ];
+    let rms: Vec<Target> = parts
+        .iter()
+        .map(|(rows, unit, name)| Target {
+            plant: 0,
+            measure: Measure::H2(channel(rows, &NOISES)),
+            aim: Aim::Goal(*unit),
+            name: format!("rms of {name}"),
+        })
+        .collect();
+    for with_bounds in [false, true] {
+        let mut targets = rms.clone();
+        if with_bounds {
+            targets.extend(bounds[1..].iter().cloned());
+        }
+        println!("largest rms over the printed row of order 6, norms bounded: {with_bounds}");
+        for order in orders {
+            let of = asked(vec![plant.clone()], targets.clone(), *order);
+            let settings =
+                FixedOrderSettings { lower_orders: false, tries: 4, ..FixedOrderSettings::default() };
+            if let Some(d) = design(&of, &settings)? {
+                println!("    rms {:.5?}", full_rms(&plant, &d.controller)?);
+            }
         }
     }
     Ok(())
@@ -166,7 +349,11 @@ fn main() -> Result<(), Box<dyn Error>> {
     let orders: Vec<usize> = words.iter().filter_map(|w| w.parse().ok()).collect();
     let or = |default: &[usize]| if orders.is_empty() { default.to_vec() } else { orders.clone() };
     match words.first().map_or("quarter", String::as_str) {
-        "full" => full(&or(&[2, 4, 6])),
+        "damping" => damping(&or(&[1, 2, 3, 4])),
+        "robust" => robust(&or(&[1, 2])),
+        "beaten" => beaten(&or(&[1, 2])),
+        "full" => full(&or(&[2, 4, 6, 8, 10])),
+        "full-h2" => full_h2(&or(&[2, 4, 6])),
         _ => quarter_table(&or(&[1, 2, 3, 4])),
     }
 }

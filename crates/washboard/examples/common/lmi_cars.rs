@@ -91,6 +91,11 @@ pub fn full_car() -> Result<GeneralizedPlant, Box<dyn Error>> {
     full_car_from(Disturbance::RoadNoise)
 }
 
+/// The same driven by the wheels' heights alone.
+pub fn full_car_on_heights() -> Result<GeneralizedPlant, Box<dyn Error>> {
+    full_car_from(Disturbance::RoadDisplacement)
+}
+
 fn full_car_from(disturbance: Disturbance) -> Result<GeneralizedPlant, Box<dyn Error>> {
     let case = cases::find("chalasani-full-car", CaseKind::Vehicle)?;
     let spec: VehicleSpec = toml::from_str(&case.toml)?;

@@ -194,7 +194,7 @@ pub(super) fn by_fixed_order(problem: &Problem, fleet: &Fleet, outcome: &mut Des
         ended => ended?,
     };
     let (design, met) = match ended {
-        FixedOrderEnd::NotStabilised { abscissa } => {
+        FixedOrderEnd::NotStabilised { abscissa, .. } => {
             outcome.status = DesignStatus::Stalled;
             let tried = FixedOrderOutcome {
                 abscissa_rad_s: Some(abscissa).filter(|a| a.is_finite()),

@@ -1,15 +1,17 @@
 //! A controller of given order: many starts, a local search from each, the best one verified.
 
-use super::problem::{Id, Of, Problem};
+use super::asked::{FixedOrder, FixedOrderSettings, check};
+use super::outcome::{FixedOrderEnd, FixedOrderWork, describe};
+use super::problem::{Id, Problem};
 use super::search::{Led, MET, as_it_is, better, from, further};
 use super::structure::{Entry, Structure, controller_of};
 use super::targets::{Aim, Measure, Target};
-use super::{full_order, starts, verify};
-use crate::lti::{Continuous, GeneralizedPlant, LtiError, StateSpace};
-use crate::optimize::{BundleEnd, BundleResult, BundleSettings, Pieces, Sampled, sampled_subdifferential};
+use super::verify::{self, Values};
+use super::{full_order, starts};
+use crate::lti::{Continuous, LtiError, StateSpace};
+use crate::optimize::{BundleResult, BundleSettings, Pieces};
 use crate::synthesis::SynthesisError;
 use rayon::prelude::*;
-use std::sync::atomic::Ordering::Relaxed;
 
 /// Bounds are aimed at this much below themselves.
 const BELOW: f64 = 1e-7;
@@ -27,119 +29,6 @@ const MEDIUM: usize = 80;
 /// Rounds of shaking without a gain of [`GAIN`] (in ln) that end it.
 const VAIN: usize = 6;
 const GAIN: f64 = 2e-5;
-/// The ball around the result in which gradients are sampled.
-const RADIUS: f64 = 1e-4;
-
-/// Plants, what is asked of their loops, and the controllers that are allowed.
-#[derive(Debug, Clone)]
-pub struct FixedOrder {
-    /// One or more, with the same measurements and controls.
-    pub plants: Vec<GeneralizedPlant>,
-    /// Goals and bounds.
-    pub targets: Vec<Target>,
-    /// The controller's order and free entries.
-    pub structure: Structure,
-    /// |λ| of every controller pole is at most this, rad/s.
-    pub max_pole_rad_s: Option<f64>,
-    /// sup σ(K(iω)) is at most this.
-    pub max_gain: Option<f64>,
-    /// −Re of every pole of every loop is at least this, rad/s.
-    pub margin_rad_s: f64,
-    /// Controllers to begin with, of any order.
-    pub starts: Vec<StateSpace<Continuous>>,
-    /// Frequencies that are always looked at, rad/s.
-    pub frequencies_rad_s: Vec<f64>,
-}
-
-/// How long to look.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct FixedOrderSettings {
-    /// Random starts.
-    pub tries: usize,
-    /// Of their numbers.
-    pub seed: u64,
-    /// Steps of a search at most.
-    pub iterations: usize,
-    /// A relative gain below this is none.
-    pub tolerance: f64,
-    /// Whether lower orders are designed first and begun from: then more states are never worse.
-    pub lower_orders: bool,
-}
-
-impl Default for FixedOrderSettings {
-    fn default() -> Self {
-        FixedOrderSettings { tries: 8, seed: 1, iterations: 400, tolerance: 1e-7, lower_orders: true }
-    }
-}
-
-/// How it ended.
-#[derive(Debug, Clone)]
-pub enum FixedOrderEnd {
-    /// All bounds are met.
-    Designed(Box<FixedOrderDesign>),
-    /// No start led to a stable loop: the least abscissa, rad/s.
-    NotStabilised {
-        /// The largest real part of a pole at its least.
-        abscissa: f64,
-    },
-    /// The loop is stable, and a bound is exceeded: the least violation found, and the controller of it.
-    BoundsNotMet(Box<FixedOrderDesign>),
-}
-
-/// A controller, and what its loops are.
-#[derive(Debug, Clone)]
-pub struct FixedOrderDesign {
-    /// u = +K y.
-    pub controller: StateSpace<Continuous>,
-    /// The largest value/unit over the goals, as the search has it; none without goals.
-    pub goal: Option<f64>,
-    /// The same by the independent norms.
-    pub verified_goal: Option<f64>,
-    /// Each target in the loop, by the independent norms.
-    pub values: Vec<TargetValue>,
-    /// The largest excess of a bound, as a share of it (of an abscissa in units of the plants' pace): 0 where all are met.
-    pub violation: f64,
-    /// The distance of 0 from the gradients of ln goal + penalty around the result, in units of the search's numbers, which
-    /// are of the order of 1: what a step of length 1 would gain by, as a share, at this slope.
-    pub stationarity: Option<Sampled>,
-    /// Whether the last search ended as no model promised more.
-    pub converged: bool,
-    /// What was done.
-    pub work: FixedOrderWork,
-}
-
-/// A target in the loop.
-#[derive(Debug, Clone, PartialEq)]
-pub struct TargetValue {
-    /// Its name.
-    pub name: String,
-    /// A norm, or rad/s.
-    pub value: f64,
-    /// Where a norm is attained, rad/s.
-    pub omega_rad_s: Option<f64>,
-    /// Its weight in the optimality conditions: 0 where it does not matter.
-    pub multiplier: f64,
-    /// Frequencies of its peaks that hold the optimum, rad/s.
-    pub active_rad_s: Vec<f64>,
-}
-
-/// Counted work.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub struct FixedOrderWork {
-    /// Starts.
-    pub starts: usize,
-    /// Starts that led to a stable loop.
-    pub stabilised: usize,
-    /// Loops that were closed: each is an evaluation of all norms of one plant.
-    pub loops: usize,
-    /// Factorisations of iωI − A.
-    pub factorisations: usize,
-    /// Eigenvalue problems.
-    pub eigenproblems: usize,
-    /// Lyapunov equations.
-    pub lyapunov: usize,
-}
-
 /// The controller of the structure given for which the largest of all goals is as small as a local search from many starts
 /// finds it, under the bounds.
 ///
@@ -178,47 +67,11 @@ pub fn fixed_order(
     let last = FixedOrder { starts: given, ..asked.clone() };
     let (mut end, own) = one_order(&last, settings)?;
     work.add(own);
-    if let FixedOrderEnd::Designed(d) | FixedOrderEnd::BoundsNotMet(d) = &mut end {
-        d.work = work;
+    match &mut end {
+        FixedOrderEnd::Designed(d) | FixedOrderEnd::BoundsNotMet(d) => d.work = work,
+        FixedOrderEnd::NotStabilised { work: of, .. } => *of = work,
     }
     Ok(end)
-}
-
-fn check(asked: &FixedOrder) -> Result<(), LtiError> {
-    let join =
-        |what: &'static str, expected: String, found: String| Err(LtiError::Join { what, expected, found });
-    let Some(first) = asked.plants.first() else {
-        return join("a fixed-order design", "a plant".into(), "none".into());
-    };
-    for p in &asked.plants {
-        let (expected, found) =
-            ((p.nu(), p.ny()), (asked.structure.controls(), asked.structure.measurements()));
-        if expected != found {
-            return join(
-                "a controller's structure",
-                format!("{} controls and {} measurements, as the plant has", expected.0, expected.1),
-                format!("{} and {}", found.0, found.1),
-            );
-        }
-        if (p.nz(), p.nw()) != (first.nz(), first.nw()) {
-            let of = |p: &GeneralizedPlant| format!("{} performances and {} disturbances", p.nz(), p.nw());
-            return join("plants of one design", of(first), of(p));
-        }
-    }
-    if asked.targets.is_empty() {
-        return join("a fixed-order design", "a goal or a bound".into(), "none".into());
-    }
-    asked.targets.iter().try_for_each(|t| t.check(&asked.plants))?;
-    for (field, value) in [("max_pole", asked.max_pole_rad_s), ("max_gain", asked.max_gain)] {
-        if let Some(found) = value.filter(|v| !(*v > 0.0 && v.is_finite())) {
-            return Err(LtiError::Field { field, expected: "a positive, finite number", found });
-        }
-    }
-    if !(asked.margin_rad_s >= 0.0 && asked.margin_rad_s.is_finite()) {
-        let (field, expected) = ("margin", "a finite number, not negative");
-        return Err(LtiError::Field { field, expected, found: asked.margin_rad_s });
-    }
-    Ok(())
 }
 
 /// One order, from all its starts.
@@ -265,10 +118,6 @@ fn one_order(
             }
         }
     }
-    if results.is_empty() {
-        work.count(&problem);
-        return Ok((FixedOrderEnd::NotStabilised { abscissa: least }, work));
-    }
     sort(&mut results);
     results.truncate(KEPT.max(settings.tries / 6));
     let long = BundleSettings {
@@ -279,36 +128,61 @@ fn one_order(
     };
     results = results.into_par_iter().map(|r| further(&problem, &r, &long)).collect();
     sort(&mut results);
-    let Some(first) = results.first().cloned() else {
-        return Ok((FixedOrderEnd::NotStabilised { abscissa: least }, work));
+    let found = settled(asked, &mut problem, results, settings, &long)?;
+    let end = match found {
+        None => FixedOrderEnd::NotStabilised { abscissa: least, work },
+        Some((best, controller, values)) => {
+            let design = describe(asked, &problem, &best, controller, &values, settings.seed);
+            if design.violation <= MET {
+                FixedOrderEnd::Designed(Box::new(design))
+            } else {
+                FixedOrderEnd::BoundsNotMet(Box::new(design))
+            }
+        }
     };
-    let mut best = shaken(&problem, first, settings, &long);
-    let mut found = verified(asked, &problem, &best)?;
+    work.count(&problem);
+    Ok((end, work))
+}
+
+type Settled = (BundleResult<Id>, StateSpace<Continuous>, Values);
+
+/// The best of the results, shaken, whose norms are what independent ones are: where these are higher, their frequencies
+/// are looked at from then on, and all results are compared again. None where no loop is stable by them.
+fn settled(
+    asked: &FixedOrder,
+    problem: &mut Problem,
+    mut results: Vec<BundleResult<Id>>,
+    settings: &FixedOrderSettings,
+    long: &BundleSettings,
+) -> Result<Option<Settled>, SynthesisError> {
+    let Some(first) = results.first().cloned() else { return Ok(None) };
+    results.insert(0, shaken(problem, first, settings, long));
+    let mut last = None;
     for _ in 0..ROUNDS {
-        let missed: Vec<f64> = missed(asked, &problem, &best, &found.1);
+        let Some(best) = results.first().cloned() else { break };
+        let (controller, values) = match verified(asked, problem, &best) {
+            Ok(found) => found,
+            // a pole on the axis but for rounding
+            Err(SynthesisError::Lti(LtiError::NotStable { .. })) => {
+                results.remove(0);
+                continue;
+            }
+            Err(e) => return Err(e),
+        };
+        let missed = missed(asked, problem, &best, &values);
+        last = Some((best, controller, values));
         if missed.is_empty() {
             break;
         }
         problem.frequencies.extend(missed);
-        // all that was found, as it is now that these are looked at
-        results.push(best);
-        results = results.iter().filter_map(|r| as_it_is(&problem, &r.x, r.penalty)).collect();
+        results = results.iter().filter_map(|r| as_it_is(problem, &r.x, r.penalty)).collect();
         sort(&mut results);
-        let Some(first) = results.first() else {
-            return Ok((FixedOrderEnd::NotStabilised { abscissa: least }, work));
-        };
-        best = further(&problem, first, &long);
-        found = verified(asked, &problem, &best)?;
+        if let Some(first) = results.first() {
+            let again = further(problem, first, long);
+            results.insert(0, again);
+        }
     }
-    let (controller, values) = found;
-    let design = describe(asked, &problem, &best, controller, &values, settings.seed);
-    work.count(&problem);
-    let end = if design.violation <= MET {
-        FixedOrderEnd::Designed(Box::new(design))
-    } else {
-        FixedOrderEnd::BoundsNotMet(Box::new(design))
-    };
-    Ok((end, work))
+    Ok(last)
 }
 
 /// A result shaken and searched from again, for as long as that gains.
@@ -386,8 +260,6 @@ fn without_infinite(asked: &FixedOrder) -> Structure {
     structure
 }
 
-type Values = Vec<(f64, Option<f64>)>;
-
 fn verified(
     asked: &FixedOrder,
     problem: &Problem,
@@ -410,92 +282,4 @@ fn missed(asked: &FixedOrder, problem: &Problem, best: &BundleResult<Id>, values
             (values[k].0 > claimed * (1.0 + SEEN) && new).then_some(omega)
         })
         .collect()
-}
-
-fn describe(
-    asked: &FixedOrder,
-    problem: &Problem,
-    best: &BundleResult<Id>,
-    controller: StateSpace<Continuous>,
-    values: &Values,
-    seed: u64,
-) -> FixedOrderDesign {
-    let mut goal: Option<f64> = None;
-    let mut violation: f64 = 0.0;
-    let mut listed = Vec::new();
-    for (k, (t, (value, omega))) in asked.targets.iter().zip(values).enumerate() {
-        match t.aim {
-            Aim::Goal(unit) => goal = Some(goal.map_or(value / unit, |g: f64| g.max(value / unit))),
-            Aim::Bound(limit) => {
-                let excess = match t.measure {
-                    Measure::Abscissa => (value - limit) / problem.scales.pace,
-                    _ => value / limit - 1.0,
-                };
-                violation = violation.max(excess);
-            }
-        }
-        let of_target = || best.active.iter().filter(|(p, _)| p.id.target == k);
-        let mut active_rad_s: Vec<f64> = of_target()
-            .filter_map(|(p, _)| match p.id.of {
-                Of::Peak { omega, .. } => Some(omega),
-                _ => None,
-            })
-            .collect();
-        active_rad_s.sort_by(f64::total_cmp);
-        active_rad_s.dedup_by(|a, b| (*a - *b).abs() <= 1e-3 * *b);
-        listed.push(TargetValue {
-            name: t.name.clone(),
-            value: *value,
-            omega_rad_s: *omega,
-            multiplier: of_target().map(|(_, w)| w).sum(),
-            active_rad_s,
-        });
-    }
-    // the controller's own limits
-    if let Some(pieces) = problem.pieces(&best.x) {
-        let values = problem.values(&pieces);
-        for (w, v) in problem.wanted.iter().zip(&values).skip(asked.targets.len()) {
-            if w.role != crate::optimize::Role::Goal {
-                violation = violation.max(v.exp() - 1.0);
-            }
-        }
-    }
-    let scale = 1.0 + best.x.iter().map(|v| v * v).sum::<f64>().sqrt();
-    let stationarity = sampled_subdifferential(
-        problem,
-        &best.x,
-        best.penalty,
-        RADIUS * scale,
-        2 * best.x.len().min(40),
-        seed,
-    );
-    FixedOrderDesign {
-        controller,
-        goal: best.goal.is_finite().then(|| best.goal.exp()),
-        verified_goal: goal,
-        values: listed,
-        violation,
-        stationarity,
-        converged: best.end == BundleEnd::Converged,
-        work: FixedOrderWork::default(),
-    }
-}
-
-impl FixedOrderWork {
-    fn add(&mut self, o: Self) {
-        self.starts += o.starts;
-        self.stabilised += o.stabilised;
-        self.loops += o.loops;
-        self.factorisations += o.factorisations;
-        self.eigenproblems += o.eigenproblems;
-        self.lyapunov += o.lyapunov;
-    }
-
-    fn count(&mut self, problem: &Problem) {
-        let c = &problem.counters;
-        self.loops += c.loops.load(Relaxed);
-        self.factorisations += c.factorisations.load(Relaxed);
-        self.eigenproblems += c.eigenproblems.load(Relaxed);
-        self.lyapunov += c.lyapunov.load(Relaxed);
-    }
 }

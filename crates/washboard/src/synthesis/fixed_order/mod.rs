@@ -1,12 +1,14 @@
 //! Controllers of given order and structure: H∞, H2 and decay over any channels of any number of plants, minimised under
 //! bounds by a bundle method.
 
+mod asked;
 mod closed;
 mod design;
 mod eigenvalues;
 mod full_order;
 mod h2_norm;
 mod hessenberg;
+mod outcome;
 mod peaks;
 mod problem;
 mod resolvent;
@@ -17,8 +19,8 @@ mod structure;
 mod targets;
 mod verify;
 
-pub use design::{
-    FixedOrder, FixedOrderDesign, FixedOrderEnd, FixedOrderSettings, FixedOrderWork, TargetValue, fixed_order,
-};
+pub use asked::{FixedOrder, FixedOrderSettings};
+pub use design::fixed_order;
+pub use outcome::{FixedOrderDesign, FixedOrderEnd, FixedOrderWork, TargetValue};
 pub use structure::{Entry, Local, Structure};
 pub use targets::{Aim, Channel, Measure, Target};

@@ -7,6 +7,9 @@ use crate::lti::{Continuous, GeneralizedPlant, LtiError, StateSpace};
 /// Places around each lightly damped pole where the response is looked at again.
 const AROUND: [f64; 9] = [-3.0, -1.5, -0.7, -0.3, 0.0, 0.3, 0.7, 1.5, 3.0];
 
+/// Of each target its value, and the frequency of it where it is a peak's.
+pub(super) type Values = Vec<(f64, Option<f64>)>;
+
 /// A target's value in the loop, and the frequency of it where it is a peak's.
 pub(super) fn value(
     closed: &StateSpace<Continuous>,
@@ -61,7 +64,7 @@ pub(super) fn values(
     plants: &[GeneralizedPlant],
     targets: &[Target],
     controller: &StateSpace<Continuous>,
-) -> Result<Vec<(f64, Option<f64>)>, LtiError> {
+) -> Result<Values, LtiError> {
     let loops = plants.iter().map(|p| p.close(controller)).collect::<Result<Vec<_>, _>>()?;
     for closed in &loops {
         closed.check_stable("the closed loop")?;
