@@ -17,9 +17,9 @@ const FORGOTTEN: usize = 8;
 /// Learnt pieces at most.
 const MOST_LEARNT: usize = 30;
 /// Pieces of the goal, and of the bounds, in a model at most.
-const MOST_PIECES: usize = 18;
+const MOST_PIECES: usize = 12;
 /// Touching planes in a model at most.
-const MOST_CUTS: usize = 12;
+const MOST_CUTS: usize = 8;
 /// Pieces apart by more than this are not the same one after a step.
 const SAME: f64 = 0.4;
 /// The penalty grows by this while bounds are exceeded, to at most the next.

@@ -14,7 +14,7 @@ use crate::synthesis::SynthesisError;
 use rayon::prelude::*;
 
 /// Bounds are aimed at this much below themselves.
-const BELOW: f64 = 1e-7;
+const BELOW: f64 = 2e-6;
 /// The search's value of a norm may be below the verified one by this share, or its frequency is added and the search
 /// goes on.
 const SEEN: f64 = 1e-6;
@@ -24,10 +24,16 @@ const ROUNDS: usize = 6;
 const KEPT: usize = 3;
 /// Steps of the first search from each start.
 const SHORT: usize = 40;
+/// One start of so many that is stabilised quickly is enough.
+const ENOUGH: usize = 3;
+/// With so many random starts every start is stabilised by all means, and results are shaken longer.
+const PATIENT: usize = 16;
 /// Steps of a search from a shaken result.
-const MEDIUM: usize = 80;
+const MEDIUM: usize = 25;
+/// What is above the best by less than this (in ln) after these is searched to the end.
+const PROMISING: f64 = 1e-3;
 /// Rounds of shaking without a gain of [`GAIN`] (in ln) that end it.
-const VAIN: usize = 6;
+const VAIN: usize = 3;
 const GAIN: f64 = 2e-5;
 /// The controller of the structure given for which the largest of all goals is as small as a local search from many starts
 /// finds it, under the bounds.
@@ -105,7 +111,16 @@ fn one_order(
         tolerance: 1e-4,
         ..BundleSettings::default()
     };
-    let led: Vec<Led> = begun.par_iter().map(|x| from(&problem, x, &short)).collect();
+    let mut led: Vec<Led> = begun.par_iter().map(|x| from(&problem, x, &short, false)).collect();
+    // a plant that is hard to stabilise
+    let stable = led.iter().filter(|l| matches!(l, Led::To(_))).count();
+    if settings.tries >= PATIENT || stable * ENOUGH < led.len() {
+        led = begun
+            .par_iter()
+            .zip(led)
+            .map(|(x, l)| if let Led::Unstable(_) = l { from(&problem, x, &short, true) } else { l })
+            .collect();
+    }
     let mut work = FixedOrderWork { starts: begun.len(), ..FixedOrderWork::default() };
     let mut results: Vec<BundleResult<Id>> = Vec::new();
     let mut least = f64::INFINITY;
@@ -192,29 +207,36 @@ fn shaken(
     settings: &FixedOrderSettings,
     long: &BundleSettings,
 ) -> BundleResult<Id> {
+    let patient = settings.tries >= PATIENT;
+    let (steps, most) = if patient { (4 * MEDIUM, 2 * VAIN) } else { (MEDIUM, VAIN) };
     let mut vain = 0;
     for round in 0..settings.tries {
         let places = starts::around(&best.x, settings.seed.wrapping_add(7919 * (round as u64 + 1)));
         let medium = BundleSettings {
-            iterations: MEDIUM.min(long.iterations),
-            evaluations: 4 * MEDIUM,
+            iterations: steps.min(long.iterations),
+            evaluations: 4 * steps,
             tolerance: 1e-5,
             penalty: best.penalty,
             ..BundleSettings::default()
         };
-        let led: Vec<Led> = places.par_iter().map(|x| from(problem, x, &medium)).collect();
+        let led: Vec<Led> = places.par_iter().map(|x| from(problem, x, &medium, patient)).collect();
         let mut new: Vec<BundleResult<Id>> =
             led.into_iter().filter_map(|l| if let Led::To(r) = l { Some(*r) } else { None }).collect();
         sort(&mut new);
         let before = best.goal;
-        if let Some(r) = new.into_iter().next().filter(|r| better(r, &best, MET)) {
+        let promising = |r: &BundleResult<Id>| {
+            let near =
+                r.goal < best.goal + PROMISING && r.violation <= MET + PROMISING * best.violation.max(MET);
+            better(r, &best, MET) || (near && (r.goal - best.goal).abs() > GAIN)
+        };
+        if let Some(r) = new.into_iter().find(promising) {
             let r = further(problem, &r, long);
             if better(&r, &best, MET) {
                 best = r;
             }
         }
         vain = if before - best.goal > GAIN { 0 } else { vain + 1 };
-        if vain == VAIN {
+        if vain == most {
             break;
         }
     }

@@ -19,7 +19,7 @@ const MOST: usize = 8;
 /// Places beside the peaks that are as high, within this in ln: a flat top has no peaks.
 const FLAT: f64 = 0.02;
 /// These at most.
-const MOST_FLAT: usize = 6;
+const MOST_FLAT: usize = 4;
 /// Singular values within this share of the largest count.
 const COALESCED: f64 = 0.97;
 /// Frequencies farther apart than this factor get others between.
@@ -51,7 +51,7 @@ pub(super) fn find(
             return None;
         }
         for (c, (_, channel, unit, _)) in channels.iter().enumerate() {
-            heights[c][k] = largest_singular_value(&part(&t, m, channel)).ln() - unit;
+            heights[c][k] = gain(&t, m, channel).ln() - unit;
         }
     }
     let top = heights.iter().flatten().copied().fold(f64::NEG_INFINITY, f64::max);
@@ -103,6 +103,20 @@ pub(super) fn find(
 
 fn near(a: f64, b: f64) -> bool {
     a == b || (a > 0.0 && b > 0.0 && a.is_finite() && b.is_finite() && (a / b).ln().abs() < 0.02)
+}
+
+/// A channel's largest singular value: of one output the length of its row.
+fn gain(t: &[C64], m: usize, channel: &Channel) -> f64 {
+    if let [(row, weight)] = channel.outputs[..] {
+        let row = &t[row * m..(row + 1) * m];
+        let squared: f64 = if channel.disturbances.is_empty() {
+            row.iter().map(|z| z.norm_sqr()).sum()
+        } else {
+            channel.disturbances.iter().map(|j| row[*j].norm_sqr()).sum()
+        };
+        return weight * squared.sqrt();
+    }
+    largest_singular_value(&part(t, m, channel))
 }
 
 /// A channel's part of a response, weighted.

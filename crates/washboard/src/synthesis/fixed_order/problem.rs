@@ -15,6 +15,8 @@ use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 
 /// Eigenvalues count whose real part is within this of the largest, as a share of the unit.
 const BESIDE: f64 = 0.05;
+/// Eigenvalues farther below a bound than this are not asked about.
+const ROOM: f64 = 0.7;
 /// Eigenvalues of one matrix that count at most.
 const MOST_EIGENVALUES: usize = 6;
 
@@ -302,6 +304,14 @@ impl Problem {
     fn eigenvalue_pieces(&self, target: usize, closed: &Closed) -> Option<Vec<SmoothPiece<Id>>> {
         let wanted = &self.wanted[target];
         self.counters.eigenproblems.fetch_add(1, Relaxed);
+        if wanted.role != Role::Goal {
+            // a bound with much room needs no derivative
+            let values = crate::linalg::RealSchur::only_eigenvalues(&closed.a).ok()?;
+            let height = |v: &C64| self.eigenvalue_height(wanted, *v);
+            if values.iter().map(height).fold(f64::NEG_INFINITY, f64::max) < -ROOM {
+                return Some(Vec::new());
+            }
+        }
         let spectrum = Spectrum::new(&closed.a)?;
         let mut all: Vec<(f64, usize)> = (0..spectrum.values.len())
             .filter(|k| spectrum.values[*k].im >= 0.0)

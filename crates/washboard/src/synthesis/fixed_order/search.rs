@@ -10,7 +10,7 @@ const LEAST: f64 = -1e-10;
 /// A bound may be exceeded by this, in ln.
 pub(super) const MET: f64 = 1e-6;
 /// Steps towards the stable set.
-const STABILISE: usize = 150;
+const STABILISE: usize = 60;
 /// Rounds with a smooth function, and steps of one.
 const SMOOTH_ROUNDS: usize = 40;
 const SMOOTH_STEPS: usize = 30;
@@ -23,12 +23,12 @@ pub(super) enum Led {
     To(Box<BundleResult<Id>>),
 }
 
-/// One start.
-pub(super) fn from(problem: &Problem, x: &[f64], settings: &BundleSettings) -> Led {
+/// One start; `smooth` where it is worth the effort to stabilise it by a smooth function.
+pub(super) fn from(problem: &Problem, x: &[f64], settings: &BundleSettings, smooth: bool) -> Led {
     let mut x = x.to_vec();
     let mut abscissa = f64::INFINITY;
     if problem.pieces(&x).is_none() {
-        (x, abscissa) = match stabilised(problem, &x) {
+        (x, abscissa) = match stabilised(problem, &x, smooth) {
             Ok(stable) => stable,
             Err(least) => return Led::Unstable(least),
         };
@@ -40,17 +40,24 @@ pub(super) fn from(problem: &Problem, x: &[f64], settings: &BundleSettings) -> L
 }
 
 /// A point with a stable loop and its abscissa, rad/s, or the least abscissa found.
-fn stabilised(problem: &Problem, x: &[f64]) -> Result<(Vec<f64>, f64), f64> {
+fn stabilised(problem: &Problem, x: &[f64], smooth: bool) -> Result<(Vec<f64>, f64), f64> {
     let pace = problem.scales.pace;
     let wanted = STABLE - 1.5 * problem.margin / pace;
     let enough = |value: f64| value < LEAST - problem.margin / pace;
-    let settings = BfgsSettings { iterations: STABILISE, enough: wanted, flat: 1e-12 };
+    let settings = BfgsSettings {
+        iterations: if smooth { 3 * STABILISE } else { STABILISE },
+        enough: wanted,
+        flat: 1e-12,
+    };
     let mut best = (x.to_vec(), f64::INFINITY);
     if let Some(found) = bfgs(x, &settings, |x| problem.abscissa(x)) {
         if enough(found.value) {
             return Ok((found.x, found.value * pace));
         }
         best = (found.x, found.value);
+    }
+    if !smooth {
+        return Err(best.1 * pace);
     }
     // where eigenvalues meet the abscissa has no slope to follow: a smooth function that is large near it has
     for from in [x.to_vec(), best.0.clone()] {

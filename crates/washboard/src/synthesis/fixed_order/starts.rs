@@ -9,7 +9,7 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
 /// Sizes of random starts.
-const SIZES: [f64; 8] = [0.3, 1.0, 0.1, 3.0, 1.0, 10.0, 0.3, 30.0];
+const SIZES: [f64; 8] = [0.3, 1.0, 0.1, 3.0, 0.3, 10.0, 1.0, 30.0];
 
 /// Decades, a standard deviation.
 const SPREAD: f64 = 1.0;
