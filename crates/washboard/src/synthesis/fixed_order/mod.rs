@@ -15,6 +15,8 @@ mod search;
 mod starts;
 mod structure;
 mod targets;
+#[cfg(test)]
+mod tests;
 mod verify;
 
 pub use design::{
