@@ -1,23 +1,32 @@
 //! Values of every kind of piece against norms and poles of the plant closed by itself, gradients against differences.
 
-use super::problem::{Id, Of, Problem};
+use super::problem::{Id, Kind, Of, Problem};
 use super::structure::{Structure, controller_of};
 use super::targets::{Aim, Channel, Measure, Target};
 use super::{starts, verify};
 use crate::linalg::Mat;
 use crate::lti::{Continuous, GeneralizedPlant, Signals, StateSpace};
-use crate::optimize::{Pieces, SmoothPiece};
+use crate::optimize::{Pieces, Role, SmoothPiece};
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
 /// Steps of the differences, whose error is of its fourth power: of functions that are smooth at lengths of 1.
-const STEP: f64 = 1e-3;
-/// What that leaves of a gradient, and what rounding does: STEP⁴ times a fifth derivative up to 10⁴.
+const STEP: f64 = 2e-4;
+/// What that leaves of a gradient, and what rounding does: near the border of stability derivatives grow with each order.
 const SMOOTH: f64 = 1e-7;
+/// The step where norms are found by a search, of which the error counts over the step.
+const COARSE: f64 = 1e-3;
 /// Of differences of norms that are themselves found to 1e-9 or so, over the step.
 const FOUND: f64 = 2e-5;
 /// Values by two routes.
 const SAME: f64 = 1e-8;
+
+/// Limits of the controller: near what random points have, for a norm far below its bound is not searched.
+const MAX_POLE: f64 = 20.0;
+const MAX_GAIN: f64 = 0.3;
+/// Below this, in ln, that is so, and its value is no more than a good guess.
+const ROOM: f64 = -0.4;
+const GUESS: f64 = 0.1;
 
 /// How strong the plant's feedthroughs are.
 #[derive(Clone, Copy, Default)]
@@ -78,7 +87,7 @@ fn channel() -> Channel {
 
 fn problem(plants: &[GeneralizedPlant], targets: &[Target], order: usize) -> Problem {
     let structure = Structure::full(order, CONTROLS, MEASUREMENTS);
-    Problem::new(plants, targets, structure, (Some(20.0), Some(5.0)), 0.0, &[])
+    Problem::new(plants, targets, structure, (Some(MAX_POLE), Some(MAX_GAIN)), 0.0, &[])
 }
 
 /// A point of which the loops are stable, with numbers in every entry.
@@ -93,7 +102,7 @@ fn point(problem: &Problem, seed: u64) -> Vec<f64> {
 }
 
 /// Central differences of fourth order.
-fn differences(x: &[f64], of: impl Fn(&[f64]) -> f64) -> Vec<f64> {
+fn differences(x: &[f64], by: f64, of: impl Fn(&[f64]) -> f64) -> Vec<f64> {
     let at = |k: usize, step: f64| {
         let mut moved = x.to_vec();
         moved[k] += step;
@@ -101,9 +110,9 @@ fn differences(x: &[f64], of: impl Fn(&[f64]) -> f64) -> Vec<f64> {
     };
     (0..x.len())
         .map(|k| {
-            let near = at(k, STEP) - at(k, -STEP);
-            let far = at(k, 2.0 * STEP) - at(k, -2.0 * STEP);
-            (8.0 * near - far) / (12.0 * STEP)
+            let near = at(k, by) - at(k, -by);
+            let far = at(k, 2.0 * by) - at(k, -2.0 * by);
+            (8.0 * near - far) / (12.0 * by)
         })
         .collect()
 }
@@ -131,9 +140,9 @@ fn recomputed(
         // the controller's own limits: its poles first, where it has some
         return if controller.order() > 0 && k == targets.len() {
             let size = controller.poles().unwrap().iter().map(|p| p.norm()).fold(0.0, f64::max);
-            (size / 20.0).ln()
+            (size / MAX_POLE).ln()
         } else {
-            (controller.hinf_norm().unwrap().norm / 5.0).ln()
+            (controller.hinf_norm().unwrap().norm / MAX_GAIN).ln()
         };
     };
     let closed = plants[t.plant].close(&controller).unwrap();
@@ -154,7 +163,7 @@ fn check(plants: &[GeneralizedPlant], targets: &[Target], order: usize, seed: u6
     for p in &pieces {
         let value = |x: &[f64]| problem.again(&[&p.id], x).pop().unwrap().value;
         assert!((value(&x) - p.value).abs() < SAME, "{:?}", p.id);
-        let found = distance(&p.gradient, &differences(&x, value));
+        let found = distance(&p.gradient, &differences(&x, STEP, value));
         assert!(found < SMOOTH, "seed {seed}, order {order}, {:?}: {found:e}", p.id);
     }
     let mut alone = 0;
@@ -163,6 +172,13 @@ fn check(plants: &[GeneralizedPlant], targets: &[Target], order: usize, seed: u6
         own.sort_by(|a, b| b.value.total_cmp(&a.value));
         let top = own[0];
         let of = |x: &[f64]| recomputed(&problem, plants, targets, k, x);
+        let searched =
+            matches!(problem.wanted[k].kind, Kind::Hinf(_)) && problem.wanted[k].role != Role::Goal;
+        if searched && top.value < ROOM {
+            let short = of(&x) - top.value;
+            assert!(short > -SAME && short < GUESS, "seed {seed}, want {k}: {short:e}");
+            continue;
+        }
         assert!((of(&x) - top.value).abs() < SAME, "seed {seed}, want {k}: {} {}", of(&x), top.value);
         // the largest of several has no one gradient; places beside a flat top are no peaks of their own
         let beside = |p: &&&SmoothPiece<Id>| p.value > top.value - 0.05 && !same_peak(&p.id, &top.id);
@@ -170,7 +186,7 @@ fn check(plants: &[GeneralizedPlant], targets: &[Target], order: usize, seed: u6
             continue;
         }
         alone += 1;
-        let found = distance(&top.gradient, &differences(&x, of));
+        let found = distance(&top.gradient, &differences(&x, COARSE, of));
         assert!(found < FOUND, "seed {seed}, order {order}, want {k}, {:?}: {found:e}", top.id);
     }
     (pieces.len(), alone)
@@ -261,7 +277,7 @@ fn the_smooth_function_for_unstable_loops_and_the_abscissa() {
                 };
                 let (value, gradient) = problem.smoothed(&x, shift).unwrap();
                 assert!((value - recomputed(&x)).abs() < SAME, "{value} {}", recomputed(&x));
-                let found = distance(&gradient, &differences(&x, recomputed));
+                let found = distance(&gradient, &differences(&x, STEP, recomputed));
                 assert!(found < SMOOTH, "seed {seed}, order {order}: {found:e}");
 
                 let rightmost = |x: &[f64]| {
@@ -270,7 +286,7 @@ fn the_smooth_function_for_unstable_loops_and_the_abscissa() {
                 };
                 let (value, gradient) = problem.abscissa(&x).unwrap();
                 assert!((value - rightmost(&x)).abs() < SAME, "{value} {}", rightmost(&x));
-                let found = distance(&gradient, &differences(&x, rightmost));
+                let found = distance(&gradient, &differences(&x, COARSE, rightmost));
                 assert!(found < FOUND, "seed {seed}, order {order}: {found:e}");
                 assert!((problem.rightmost(&x).unwrap() / problem.scales.pace - value).abs() < SAME);
             }
