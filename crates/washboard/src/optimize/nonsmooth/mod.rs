@@ -7,6 +7,8 @@ mod model;
 mod pieces;
 mod sampled;
 mod simplex;
+#[cfg(test)]
+mod tests;
 
 pub use bfgs::{BfgsEnd, BfgsResult, BfgsSettings, bfgs};
 pub use bundle::{BundleEnd, BundleResult, BundleSettings, minimize};

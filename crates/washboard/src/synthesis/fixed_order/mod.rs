@@ -17,6 +17,8 @@ mod search;
 mod starts;
 mod structure;
 mod targets;
+#[cfg(test)]
+mod tests;
 mod verify;
 
 pub use asked::{FixedOrder, FixedOrderSettings};
