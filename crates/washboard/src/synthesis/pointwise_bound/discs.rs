@@ -105,8 +105,7 @@ impl Disc {
         if distance == 0.0 {
             return Vec::new();
         }
-        let along =
-            0.5 * (distance + (self.radius - other.radius) * (self.radius + other.radius) / distance);
+        let along = 0.5 * (distance + (self.radius - other.radius) * (self.radius + other.radius) / distance);
         let half = ((self.radius - along) * (self.radius + along)).max(0.0).sqrt();
         let direction = between / distance;
         let middle = self.centre + direction * along;

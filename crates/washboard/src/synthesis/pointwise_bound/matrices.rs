@@ -15,17 +15,23 @@ pub(super) fn proven_level(terms: &[Term], nw: usize) -> Result<Option<f64>, Sdp
     // V in units of what the control reaches
     let reach = terms.iter().map(|t| largest(&t.b)).fold(0.0, f64::max);
     if reach == 0.0 {
-        let fixed = terms.iter().map(|t| singular(&t.a).and_then(|s| s.first().copied()).map(|s| (s, t.goal)));
+        let fixed =
+            terms.iter().map(|t| singular(&t.a).and_then(|s| s.first().copied()).map(|s| (s, t.goal)));
         let Some(fixed) = fixed.collect::<Option<Vec<_>>>() else { return Ok(None) };
         if fixed.iter().any(|(s, goal)| !goal && *s > 1.0) {
             return Ok(None);
         }
         return Ok(Some(fixed.iter().filter(|f| f.1).map(|f| f.0).fold(0.0, f64::max)));
     }
-    let scaled: Vec<Term> = terms.iter().map(|t| Term { b: &t.b * faer::Scale(C64::new(1.0 / reach, 0.0)), ..t.clone() }).collect();
+    let scaled: Vec<Term> = terms
+        .iter()
+        .map(|t| Term { b: &t.b * faer::Scale(C64::new(1.0 / reach, 0.0)), ..t.clone() })
+        .collect();
     let mut objective = vec![0.0; 1 + 2 * nu * nw];
     objective[0] = 1.0;
-    let outcome = Sdp::new(objective, scaled.iter().map(|t| block(t, nu)).collect())?.solve(&SdpSettings::default());
+    // the dual proves what it proves, however far the search came
+    let settings = SdpSettings { double_double: false, ..SdpSettings::default() };
+    let outcome = Sdp::new(objective, scaled.iter().map(|t| block(t, nu)).collect())?.solve(&settings);
     if outcome.status == Status::Infeasible {
         return Ok(None);
     }
@@ -60,7 +66,8 @@ fn block(t: &Term, nu: usize) -> Block {
             }
             for k in 0..nu {
                 let first = 1 + 2 * (column * nu + k);
-                for (variable, part) in [(first, t.b[(i, k)]), (first + 1, t.b[(i, k)] * C64::new(0.0, 1.0))] {
+                for (variable, part) in [(first, t.b[(i, k)]), (first + 1, t.b[(i, k)] * C64::new(0.0, 1.0))]
+                {
                     entries.extend(at.into_iter().zip(values(part)).map(|((r, c), v)| (variable, r, c, v)));
                 }
             }
@@ -89,7 +96,8 @@ fn certified(terms: &[Term], mut duals: Vec<CMat>, nw: usize) -> Option<f64> {
                 rows.extend((0..t.a.nrows()).map(|i| (k, i, j)));
             }
         }
-        let b = CMat::from_fn(rows.len(), terms.first()?.b.ncols(), |r, k| terms[rows[r].0].b[(rows[r].1, k)]);
+        let b =
+            CMat::from_fn(rows.len(), terms.first()?.b.ncols(), |r, k| terms[rows[r].0].b[(rows[r].1, k)]);
         let q = b.qr().compute_thin_Q();
         for _ in 0..PROJECTIONS {
             let z = CMat::from_fn(rows.len(), 1, |r, _| duals[rows[r].0][(rows[r].1, rows[r].2)]);

@@ -16,6 +16,12 @@ const AT_REST: f64 = 1e-6;
 const PEAKS: usize = 3;
 /// Steps of a golden section, each .618 of the last: 10⁻⁵ of the grid's step, where a level is flat to 10⁻¹⁰.
 const GOLDEN_STEPS: usize = 24;
+/// Steps to a zero of G_zu, to the last bit of the frequency.
+const ZERO_STEPS: usize = 75;
+/// A target whose ‖G_zu‖ is below `VANISHES` of what it is `BESIDE` away (a share of the frequency) is not reached there: a
+/// zero on the axis that rounding hides. A response that merely falls does so by far less.
+const VANISHES: f64 = 1e-9;
+const BESIDE: f64 = 1e-3;
 /// Levels are lowered by this share: what rounding may add.
 const ROUNDING: f64 = 1e-7;
 
@@ -85,7 +91,8 @@ impl Sweep {
         for k in peaks {
             let low = k.checked_sub(1).map_or(found[k].0, |i| found[i].0);
             let high = found.get(k + 1).map_or(found[k].0, |f| f.0);
-            let refined = golden(low, high, |omega| Ok(self.at(omega)?.map(|l| (l, l.rank()))))?;
+            let refined =
+                golden(low, high, GOLDEN_STEPS, |omega| Ok(self.at(omega)?.map(|l| (l, l.rank()))))?;
             if let Some((omega, least)) = refined
                 && best.is_none_or(|b| least.above(b.1))
             {
@@ -103,7 +110,7 @@ impl Sweep {
     /// The least level at a frequency; `None` where the plant has a pole there or nothing is proven.
     fn at(&self, omega: f64) -> Result<Option<Least>, SynthesisError> {
         let Some(g) = self.response(omega) else { return Ok(None) };
-        let (all, columns) = terms(&self.asked, &g, self.nw);
+        let (all, columns) = terms(&self.asked, &g, self.nw, &self.unreached(omega, &g));
         if all.is_empty() {
             return Ok(Some(Least::Goal(0.0)));
         }
@@ -124,6 +131,17 @@ impl Sweep {
             return Ok(Some(Least::Impossible(share)));
         }
         Ok(goal.map(Least::Goal))
+    }
+
+    /// Whether each target has a zero of G_zu here.
+    fn unreached(&self, omega: f64, g: &CMat) -> Vec<bool> {
+        let beside: Vec<CMat> =
+            [1.0 - BESIDE, 1.0 + BESIDE].iter().filter_map(|f| self.response(omega * f)).collect();
+        let of = |t: &Asked| {
+            let here = t.influence(g, self.nw);
+            beside.len() == 2 && beside.iter().all(|g| here < VANISHES * t.influence(g, self.nw))
+        };
+        self.asked.iter().map(of).collect()
     }
 
     /// G from [w; u] to z; `None` next to a pole.
@@ -169,7 +187,9 @@ impl Sweep {
                 && here < before
                 && here <= after
             {
-                all.extend(golden(*low, *high, |omega| Ok(reach(omega).map(|v| (v, -v))))?.map(|f| f.0));
+                all.extend(
+                    golden(*low, *high, ZERO_STEPS, |omega| Ok(reach(omega).map(|v| (v, -v))))?.map(|f| f.0),
+                );
             }
         }
         Ok(all)
@@ -180,13 +200,14 @@ impl Sweep {
 fn golden<V: Copy, R: PartialOrd + Copy>(
     low: f64,
     high: f64,
+    steps: usize,
     mut of: impl FnMut(f64) -> Result<Option<(V, R)>, SynthesisError>,
 ) -> Result<Option<(f64, V)>, SynthesisError> {
     let share = 0.5 * (5.0f64.sqrt() - 1.0);
     let (mut low, mut high) = (low, high);
     let (mut left, mut right) = (high - share * (high - low), low + share * (high - low));
     let (mut at_left, mut at_right) = (of(left)?, of(right)?);
-    for _ in 0..GOLDEN_STEPS {
+    for _ in 0..steps {
         let (Some(l), Some(r)) = (at_left, at_right) else { return Ok(None) };
         if l.1 >= r.1 {
             high = right;

@@ -58,17 +58,25 @@ impl Asked {
 
     /// ‖B‖: how much of it the control reaches.
     pub fn influence(&self, g: &CMat, nw: usize) -> f64 {
-        let of = |(row, w): &(usize, f64)| (nw..g.ncols()).map(|k| (g[(*row, k)] * *w).norm_sqr()).sum::<f64>();
+        let of =
+            |(row, w): &(usize, f64)| (nw..g.ncols()).map(|k| (g[(*row, k)] * *w).norm_sqr()).sum::<f64>();
         self.rows.iter().map(of).sum::<f64>().sqrt()
     }
 }
 
-/// All targets at a frequency, with the columns of V that any of them has, counted from 0.
-pub(super) fn terms(asked: &[Asked], g: &CMat, nw: usize) -> (Vec<Term>, usize) {
+/// All targets at a frequency, those without control at a zero of G_zu, with the columns of V that any of them has, counted from 0.
+pub(super) fn terms(asked: &[Asked], g: &CMat, nw: usize, unreached: &[bool]) -> (Vec<Term>, usize) {
     let mut used: Vec<usize> = asked.iter().flat_map(|t| t.live(g)).collect();
     used.sort_unstable();
     used.dedup();
-    let all = asked.iter().map(|t| t.term(g, nw, &used)).filter(|t| t.a.ncols() > 0);
+    let of = |(asked, unreached): (&Asked, &bool)| {
+        let mut term = asked.term(g, nw, &used);
+        if *unreached {
+            term.b = CMat::zeros(term.b.nrows(), term.b.ncols());
+        }
+        term
+    };
+    let all = asked.iter().zip(unreached).map(of).filter(|t| t.a.ncols() > 0);
     (all.collect(), used.len())
 }
 
@@ -79,7 +87,7 @@ impl Term {
     }
 }
 
-/// σ₁, or the sum of all singular values; `None` for numbers that are none.
+/// Singular values, descending; `None` for numbers that are none.
 pub(super) fn singular(m: &CMat) -> Option<Vec<f64>> {
     let rows = Mat::from_fn(m.nrows(), m.ncols(), |i, j| m[(i, j)].norm());
     if !rows.norm_max().is_finite() {

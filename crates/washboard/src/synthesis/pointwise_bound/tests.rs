@@ -74,7 +74,6 @@ fn the_quarter_car_has_the_published_bound() {
     ];
     let found = pointwise_bound(&[car], &targets, &[]).unwrap();
     let goal = found.goal.unwrap();
-    println!("{found:?}");
     assert!((goal.level - 0.45012).abs() < 2e-5 && found.impossible.is_none(), "{found:?}");
     // next to √(k_t/m_u), where the acceleration is all but invariant
     assert!((goal.omega_rad_s / (CAR[3] / CAR[1]).sqrt() - 1.0).abs() < 0.02, "{goal:?}");
@@ -135,24 +134,12 @@ fn discs_and_the_program_agree() {
     assert!((1..25).contains(&contradictions), "{contradictions}");
 }
 
-/// Parrott: min over V of σ̄([a, b; c, V]) is the larger of the norms of [a, b] and [a; c].
+/// V reaches the last row alone: what it cannot better is the norm of the others, and with V there that is reached.
 #[test]
-fn the_program_solves_parrotts_problem() {
+fn the_program_leaves_the_norm_of_the_rows_that_no_control_reaches() {
     let mut next = numbers(11);
     for _ in 0..5 {
         let whole = random_matrix(4, 4, &mut next);
-        let a = CMat::from_fn(4, 4, |i, j| if i >= 2 && j >= 2 { C64::new(0.0, 0.0) } else { whole[(i, j)] });
-        let first = |rows: usize, cols: usize| {
-            CMat::from_fn(rows, cols, |i, j| whole[(i, j)]).singular_values().unwrap()[0]
-        };
-        let known = first(2, 4).max(first(4, 2));
-        // V reaches the last two rows of the last two columns: the first two columns are a target of their own
-        let b = CMat::from_fn(4, 2, |i, k| C64::new(if i == k + 2 { 1.0 } else { 0.0 }, 0.0));
-        let term = Term { a, b, columns: vec![0, 1, 2, 3], goal: true };
-        let free = matrices::proven_level(std::slice::from_ref(&term), 4).unwrap().unwrap();
-        let upper = CMat::from_fn(2, 4, |i, j| term.a[(i, j)]).singular_values().unwrap()[0];
-        assert!((free / upper - 1.0).abs() < 1e-6 && upper <= known, "{free} {upper} {known}");
-        // rows of the transpose: what no V reaches is the norm of the rest
         let b = CMat::from_fn(4, 1, |i, _| C64::new(if i == 3 { 1.0 } else { 0.0 }, 0.0));
         let rest = CMat::from_fn(3, 4, |i, j| whole[(i, j)]).singular_values().unwrap()[0];
         let term = Term { a: whole, b, columns: vec![0, 1, 2, 3], goal: true };
@@ -180,7 +167,6 @@ fn no_full_order_design_is_below_the_bound() {
         let best = hinf(&plant, &HinfSettings::default()).unwrap();
         let found = pointwise_bound(std::slice::from_ref(&plant), &[target(&[0, 1, 2], Aim::Goal(1.0))], &[]);
         let level = found.unwrap().goal.unwrap().level;
-        println!("seed {seed}: {level} {}", best.gamma);
         assert!(level <= best.achieved && level > 0.1 * best.achieved, "{level} {}", best.achieved);
     }
 }
