@@ -74,11 +74,17 @@ pub(super) fn not_met(
         .map(|(excess, text)| format!("{text} ({} % over)", percent(*excess)))
         .collect();
     let starts = block.map_or(0, |b| b.starts);
+    // neither states nor measurements help against a proof
+    let help = if block.is_some_and(|b| b.impossible.is_some()) {
+        "larger bounds".to_owned()
+    } else {
+        format!("{}larger bounds, more starts (fixed-order.tries), other measurements", more_freedom(spec))
+    };
     format!(
-        "the bounds are not kept by any controller of order {order} that {starts} starts led to. At the least violation found, {}. {} What may help: {}larger bounds, more starts (fixed-order.tries), other measurements",
+        "the bounds are not kept by any controller of order {order} that {starts} starts led to. At the least violation found, {}. {} What may help: {}",
         named.join("; "),
         proof(block),
-        more_freedom(spec)
+        help
     )
 }
 
