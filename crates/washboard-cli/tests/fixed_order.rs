@@ -81,6 +81,13 @@ fn the_quarter_car_is_as_good_as_published_at_each_order_and_better_with_more_st
         let value = number(&made, &["objective", "verified"]);
         assert!(value <= published && value >= LOWER_BOUND && value <= last, "order {order}: {value}");
         last = value;
+        let proven = &made["fixed_order"];
+        let bound = number(proven, &["lower_bound"]);
+        assert!((bound - LOWER_BOUND).abs() < 2e-5, "{bound}");
+        assert!((number(proven, &["gap"]) - (value / bound - 1.0)).abs() < 1e-4, "{proven}");
+        // next to √(k_t/m_u)
+        let at = number(proven, &["lower_bound_hz"]) * std::f64::consts::TAU;
+        assert!((at / WHEEL.sqrt() - 1.0).abs() < 0.02, "{at}");
         assert_eq!(made["order"], order);
         // the claim beside the loop, whose peaks are the page's own
         let claimed = number(&made, &["claimed", "objective"]);

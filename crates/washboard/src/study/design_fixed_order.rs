@@ -15,13 +15,16 @@ use super::design_words::short;
 use super::{Input, Named, StudyError};
 use crate::lti::{Continuous, GeneralizedPlant, LtiError, StateSpace};
 use crate::synthesis::{
-    Aim, Channel, FixedOrder, FixedOrderDesign, FixedOrderEnd, Measure, Structure, SynthesisError, Target,
-    TargetValue,
+    Aim, Channel, FixedOrder, FixedOrderDesign, FixedOrderEnd, Measure, PointwiseBound, Structure,
+    SynthesisError, Target, TargetValue, pointwise_bound,
 };
 use crate::units::hz;
 
 /// The loop's poles are left of minus this share of the vehicle's fastest pole where no region is asked for.
 const CLEAR: f64 = 1e-6;
+
+/// No gap is told to a lower bound below this: goals of a share of the passive norm are larger.
+const NEXT_TO_0: f64 = 1e-6;
 
 /// One of the vehicles that a controller is for.
 pub(super) struct Member {
@@ -208,7 +211,10 @@ pub(super) fn by_fixed_order(problem: &Problem, fleet: &Fleet, outcome: &mut Des
         FixedOrderEnd::Designed(d) => (d, true),
         FixedOrderEnd::BoundsNotMet(d) => (d, false),
     };
-    outcome.fixed_order = Some(fleet.evidence(&design));
+    let mut evidence = fleet.evidence(&design);
+    let proven = pointwise_bound(&asked.plants, &asked.targets, &asked.frequencies_rad_s)?;
+    evidence.compare(&proven, design.goal.filter(|_| met));
+    outcome.fixed_order = Some(evidence);
     let found = [fastest(&design.controller)?, largest_gain(&design.controller).unwrap_or(f64::INFINITY)];
     if !met {
         outcome.status = DesignStatus::Infeasible;
@@ -256,7 +262,6 @@ impl Fleet {
         FixedOrderOutcome {
             targets: own.zip(&d.values).map(of).collect(),
             violation: Some(d.violation),
-            abscissa_rad_s: None,
             stationarity: d.stationarity.as_ref().map(|s| Stationarity {
                 distance: s.distance,
                 radius: s.radius,
@@ -266,6 +271,7 @@ impl Fleet {
             starts: d.work.starts,
             stabilised: d.work.stabilised,
             work: counts.into_iter().map(|(n, v)| (n.to_owned(), v)).collect(),
+            ..FixedOrderOutcome::default()
         }
     }
 
@@ -284,6 +290,17 @@ impl Fleet {
         if gain.is_finite() {
             outcome.claimed.insert("controller_gain", gain);
         }
+    }
+}
+
+impl FixedOrderOutcome {
+    /// Beside what no controller of any order goes below.
+    fn compare(&mut self, proven: &PointwiseBound, goal: Option<f64>) {
+        self.lower_bound = proven.goal.map(|l| l.level);
+        self.impossible = proven.impossible.map(|l| l.level);
+        self.lower_bound_hz = proven.goal.or(proven.impossible).map(|l| hz(l.omega_rad_s));
+        let bound = self.lower_bound.filter(|b| *b > NEXT_TO_0);
+        self.gap = goal.zip(bound).map(|(goal, bound)| goal / bound - 1.0);
     }
 }
 

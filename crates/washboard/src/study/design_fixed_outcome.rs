@@ -18,6 +18,18 @@ pub struct FixedOrderOutcome {
     /// How far the result is from a local optimum.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub stationarity: Option<Stationarity>,
+    /// What no controller of any order goes below: a lower bound of the goal, from H∞ goals and bounds.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub lower_bound: Option<f64>,
+    /// The frequency that proves it, or that the bounds are impossible.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub lower_bound_hz: Option<f64>,
+    /// goal/lower bound − 1; none where the lower bound is next to 0.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub gap: Option<f64>,
+    /// Where no control keeps all bounds: the least largest share of a bound, above 1.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub impossible: Option<f64>,
     /// Whether the last search ended as no model promised more.
     pub converged: bool,
     /// Starts: of all orders that were designed.

@@ -78,6 +78,13 @@ impl DesignOutcome {
             rows.extend(value.map(|value| SearchRow { words, value }));
         };
         let count = |name: &str| f.work.get(name).map(usize::to_string);
+        let at = f.lower_bound_hz.map_or_else(String::new, |w| format!(" (at {} Hz)", short(w)));
+        more("no controller of any order has a goal below", f.lower_bound.map(|b| format!("{b:.5}{at}")));
+        more("the goal is above that by, %", f.gap.map(|g| short(100.0 * g)));
+        more(
+            "no controller at all is below, as a share of its bounds",
+            f.impossible.map(|b| format!("{b:.5}{at}")),
+        );
         more("least largest real part of a pole, rad/s", f.abscissa_rad_s.map(short));
         more("no model promised more (converged)", (!f.targets.is_empty()).then(|| yes(f.converged)));
         more("steepest descent of the gradients around it", f.stationarity.map(|s| short(s.distance)));

@@ -74,11 +74,32 @@ pub(super) fn not_met(
         .map(|(excess, text)| format!("{text} ({} % over)", percent(*excess)))
         .collect();
     let starts = block.map_or(0, |b| b.starts);
+    // neither states nor measurements help against a proof
+    let help = if block.is_some_and(|b| b.impossible.is_some()) {
+        "larger bounds".to_owned()
+    } else {
+        format!("{}larger bounds, more starts (fixed-order.tries), other measurements", more_freedom(spec))
+    };
     format!(
-        "the bounds are not kept by any controller of order {order} that {starts} starts led to. At the least violation found, {}. A local \
-         search does not prove that there is none. What may help: {}larger bounds, more starts (fixed-order.tries), other measurements",
+        "the bounds are not kept by any controller of order {order} that {starts} starts led to. At the least violation found, {}. {} What may help: {}",
         named.join("; "),
-        more_freedom(spec)
+        proof(block),
+        help
+    )
+}
+
+/// Whether any controller could.
+fn proof(block: Option<&FixedOrderOutcome>) -> String {
+    let proven = block.and_then(|b| b.impossible.zip(b.lower_bound_hz));
+    proven.map_or_else(
+        || "A local search does not prove that there is none.".to_owned(),
+        |(share, at)| {
+            format!(
+                "No controller of any order keeps them: at {} Hz one of the bounds is exceeded by {} % or more, whatever the actuators do.",
+                short(at),
+                percent(share - 1.0)
+            )
+        },
     )
 }
 

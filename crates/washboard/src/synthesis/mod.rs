@@ -15,6 +15,7 @@ mod hinf;
 mod lqr;
 mod mixed;
 mod near_limit;
+mod pointwise_bound;
 
 pub use assumptions::{Assumption, BrokenAssumption, broken_assumptions};
 pub use certificate::{Certificate, ChannelNorms};
@@ -32,3 +33,4 @@ pub use mixed::{
     PoleRegion, StateFeedback, mixed_h2_hinf, robust_state_feedback,
 };
 pub use near_limit::{NearLimit, NearLimitEnd, NearLimitStep, near_limit};
+pub use pointwise_bound::{PointwiseBound, PointwiseLevel, pointwise_bound};

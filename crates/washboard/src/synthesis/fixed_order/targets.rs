@@ -45,7 +45,7 @@ pub enum Aim {
 }
 
 impl Target {
-    pub(super) fn check(&self, plants: &[GeneralizedPlant]) -> Result<(), LtiError> {
+    pub(in crate::synthesis) fn check(&self, plants: &[GeneralizedPlant]) -> Result<(), LtiError> {
         let Some(plant) = plants.get(self.plant) else {
             let expected = format!("below {}", plants.len());
             return Err(LtiError::Join { what: "a target's plant", expected, found: self.plant.to_string() });
