@@ -315,7 +315,8 @@ fn plants_without_a_stabilising_gain_are_said_to_be_so() {
         };
         let steps = (0..=4000).map(|k| 10f64.powf(-8.0 + 0.004 * f64::from(k)));
         let least = steps.flat_map(|g| [locus(g), locus(-g)]).fold(locus(0.0), f64::min);
-        let FixedOrderEnd::NotStabilised { abscissa } = fixed_order(&static_hinf(&plant), &few(4)).unwrap()
+        let FixedOrderEnd::NotStabilised { abscissa, .. } =
+            fixed_order(&static_hinf(&plant), &few(4)).unwrap()
         else {
             panic!("{name} is stabilised");
         };

@@ -89,18 +89,19 @@ pub(super) fn minimize(q: &[f64], f: &[f64], group: &[usize], groups: usize) -> 
         };
         let affine: Vec<f64> = (0..m).map(|i| -lambda[i] * z[i]).collect();
         let (dl, _, dz) = newton(&affine);
-        let (a, b) = (reach(&lambda, &dl).min(1.0), reach(&z, &dz).min(1.0));
-        let then: f64 = (0..m).map(|i| (lambda[i] + a * dl[i]) * (z[i] + b * dz[i])).sum::<f64>() / m as f64;
+        let a = reach(&lambda, &dl).min(reach(&z, &dz)).min(1.0);
+        let then: f64 = (0..m).map(|i| (lambda[i] + a * dl[i]) * (z[i] + a * dz[i])).sum::<f64>() / m as f64;
         let sigma = (then / mu).powi(3).clamp(0.0, 1.0);
         let center: Vec<f64> = (0..m).map(|i| sigma * mu - lambda[i] * z[i] - dl[i] * dz[i]).collect();
         let (dl, dy, dz) = newton(&center);
-        let (a, b) = ((TO_BOUNDARY * reach(&lambda, &dl)).min(1.0), (TO_BOUNDARY * reach(&z, &dz)).min(1.0));
-        if !(a.is_finite() && b.is_finite()) || dl.iter().chain(&dz).any(|v| !v.is_finite()) {
+        // one step for both: the dual equations hold Qλ
+        let a = (TO_BOUNDARY * reach(&lambda, &dl).min(reach(&z, &dz))).min(1.0);
+        if !a.is_finite() || dl.iter().chain(&dz).any(|v| !v.is_finite()) {
             break;
         }
         (0..m).for_each(|i| lambda[i] += a * dl[i]);
-        (0..m).for_each(|i| z[i] += b * dz[i]);
-        (0..groups).for_each(|k| y[k] += b * dy[k]);
+        (0..m).for_each(|i| z[i] += a * dz[i]);
+        (0..groups).for_each(|k| y[k] += a * dy[k]);
     }
     let lambda = best.1;
     let sums: Vec<f64> =
