@@ -170,8 +170,16 @@ fn check(plants: &[GeneralizedPlant], targets: &[Target], order: usize, seed: u6
     for k in 0..problem.wanted.len() {
         let mut own: Vec<&SmoothPiece<Id>> = pieces.iter().filter(|p| p.id.target == k).collect();
         own.sort_by(|a, b| b.value.total_cmp(&a.value));
-        let top = own[0];
         let of = |x: &[f64]| recomputed(&problem, plants, targets, k, x);
+        let Some(top) = own.first() else {
+            // eigenvalues far inside their bound have no pieces
+            assert!(
+                problem.wanted[k].role != Role::Goal && of(&x) < -0.69,
+                "seed {seed}, want {k}: {}",
+                of(&x)
+            );
+            continue;
+        };
         let searched =
             matches!(problem.wanted[k].kind, Kind::Hinf(_)) && problem.wanted[k].role != Role::Goal;
         if searched && top.value < ROOM {
