@@ -220,7 +220,7 @@ fn peaks_of_several_outputs_with_feedthrough_everywhere_and_without() {
                 target(0, Measure::Hinf(channel()), Aim::Bound(1.5)),
             ];
             for order in 0..3 {
-                let found = check(&[plant.clone()], &targets, order, seed);
+                let found = check(std::slice::from_ref(&plant), &targets, order, seed);
                 pieces += found.0;
                 alone += found.1;
             }
@@ -324,8 +324,9 @@ fn a_margin_is_a_limit_of_what_is_stable() {
     let all = Channel { outputs: vec![(0, 1.0)], disturbances: vec![] };
     let targets = [target(0, Measure::Hinf(all), Aim::Goal(1.0))];
     let structure = Structure::full(0, CONTROLS, MEASUREMENTS);
-    let with =
-        |margin: f64| Problem::new(&[plant.clone()], &targets, structure.clone(), (None, None), margin, &[]);
+    let with = |margin: f64| {
+        Problem::new(std::slice::from_ref(&plant), &targets, structure.clone(), (None, None), margin, &[])
+    };
     let x = vec![0.0; CONTROLS * MEASUREMENTS];
     let own = -with(0.0).rightmost(&x).unwrap();
     assert!(own > 0.0 && with(0.99 * own).pieces(&x).is_some() && with(1.01 * own).pieces(&x).is_none());
