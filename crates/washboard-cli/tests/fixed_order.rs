@@ -252,10 +252,9 @@ fn what_cannot_be_had_is_said_with_its_numbers() {
     let (status, made, err) = folder.design(&tight);
     assert_eq!((status, made["status"].as_str()), (1, Some("infeasible")), "{err}");
     let why = made["why"].as_str().unwrap();
-    assert!(
-        why.contains("% over") && why.contains("times the passive one") && why.contains("goal.order"),
-        "{why}"
-    );
+    // these are proven impossible at one frequency: more states are no advice
+    let said = ["% over", "times the passive one", "No controller of any order keeps them"];
+    assert!(said.iter().all(|w| why.contains(w)) && !why.contains("goal.order"), "{why}");
     let violation = number(&made["fixed_order"], &["violation"]);
     let worst = made["fixed_order"]["targets"].as_array().unwrap().iter();
     let worst = worst.filter(|t| t["aim"] == "bound").map(|t| number(t, &["relative"])).fold(0.0, f64::max);
@@ -265,7 +264,7 @@ fn what_cannot_be_had_is_said_with_its_numbers() {
     let (status, made, _) = folder.design(&fast);
     assert_eq!((status, made["status"].as_str()), (1, Some("stalled")));
     let why = made["why"].as_str().unwrap();
-    assert!(why.contains("none of 12 starts") && why.contains("-200 rad/s"), "{why}");
+    assert!(why.contains("none of ") && why.contains("-200 rad/s"), "{why}");
     let least = number(&made["fixed_order"], &["abscissa_rad_s"]);
     assert!((-200.0..0.0).contains(&least), "{least}");
     // a margin that can be had is kept
