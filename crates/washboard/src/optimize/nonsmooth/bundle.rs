@@ -3,7 +3,7 @@
 
 use super::bfgs::{identity, update};
 use super::model::{Step, step};
-use super::pieces::{Pieces, Role, SmoothPiece, levels, merit};
+use super::pieces::{EDGE, Levels, Pieces, Role, SmoothPiece, merit};
 use super::simplex::dot;
 
 /// The merit must lose this share of what the model says.
@@ -20,11 +20,15 @@ const MOST_LEARNT: usize = 30;
 const MOST_PIECES: usize = 12;
 /// Touching planes in a model at most.
 const MOST_CUTS: usize = 8;
+/// A plane from a failed step is this share of the promised decrease below the functions at x.
+const DOWNSHIFT: f64 = 0.02;
 /// Pieces apart by more than this are not the same one after a step.
 const SAME: f64 = 0.4;
 /// The penalty grows by this while bounds are exceeded, to at most the next.
 const STIFFER: f64 = 4.0;
 const STIFFEST: f64 = 1e7;
+/// A step must lower the bounds' excess by this share of what they could lower it to without the goal.
+const STEERED: f64 = 0.1;
 /// The bounds' excess that does not matter.
 const MET: f64 = 1e-9;
 /// After a failed step the model's matrix counts by this share.
@@ -91,7 +95,7 @@ pub struct BundleResult<I> {
     pub end: BundleEnd,
 }
 
-/// Minimises the goal under the bounds from x, down a merit f + ρ max(0, c) that every step lowers by a share of what the
+/// Minimises the goal under the bounds from x, down a merit f + ρ (max(0, c) + 100 max(0, e)), e the edges', that every step lowers by a share of what the
 /// model says: where no more is to be gained and the bounds are met, x is stationary.
 ///
 /// A model holds every piece near the largest at x, and pieces that were the largest where a step failed (their values
@@ -117,25 +121,32 @@ pub fn minimize<P: Pieces>(problem: &P, x: &[f64], settings: &BundleSettings) ->
     };
     let (mut end, mut iterations, mut confirmed) = (BundleEnd::Budget, 0, 0);
     let mut last = None;
-    let (mut history, mut slow) = (vec![state.merit()], 0);
+    // goal and violation: the penalty of then is not that of now
+    let (mut history, mut slow) = (vec![Levels::of(&state.pieces)], 0);
     while iterations < settings.iterations && state.evaluations < settings.evaluations {
         iterations += 1;
         match state.advance() {
             Advance::Moved => {
-                let now = state.merit();
-                if history.last().is_some_and(|before| before - now > settings.tolerance) {
+                last = None;
+                let now = Levels::of(&state.pieces);
+                let gained = |before: Levels| before.merit(state.penalty) - now.merit(state.penalty);
+                if history.last().is_some_and(|before| gained(*before) > settings.tolerance) {
                     confirmed = 0;
                 }
                 history.push(now);
-                let before = history.len().checked_sub(PATIENCE).map(|k| history[k]);
-                if before.is_some_and(|before| before - now < SLOW * settings.tolerance) {
-                    slow += 1;
-                    if slow == 2 {
-                        end = BundleEnd::NoStep;
-                        break;
+                let before = history.len().checked_sub(PATIENCE).map(|k| gained(history[k]));
+                match before {
+                    Some(gained) if gained < SLOW * settings.tolerance => {
+                        slow += 1;
+                        if slow == 2 {
+                            end = BundleEnd::NoStep;
+                            break;
+                        }
+                        history = vec![now];
+                        state.forget_curvature();
                     }
-                    history = vec![now];
-                    state.forget_curvature();
+                    Some(_) => slow = 0,
+                    None => {}
                 }
             }
             Advance::Flat(weights) => {
@@ -157,14 +168,14 @@ pub fn minimize<P: Pieces>(problem: &P, x: &[f64], settings: &BundleSettings) ->
             }
         }
     }
-    let (goal, violation) = levels(&state.pieces);
+    let levels = Levels::of(&state.pieces);
     let active = match last {
         Some(active) => active,
         None => state.weighted(),
     };
     Some(BundleResult {
-        goal,
-        violation,
+        goal: levels.goal,
+        violation: levels.bound.max(levels.edge),
         active,
         penalty: state.penalty,
         iterations,
@@ -215,7 +226,18 @@ impl<P: Pieces> State<'_, P> {
             let Some(model) = self.model(&known) else { return Advance::Stuck };
             self.remember(&known, &model);
             // of a matrix that counts by a share, a share of the decrease
-            if model.decrease <= self.settings.tolerance * self.trust {
+            let flat = |step: &Step, trust: f64| step.decrease <= self.settings.tolerance * trust;
+            if flat(&model, self.trust) {
+                // planes from where a step failed are no part of the functions at x: nearer, without them
+                if !cuts.is_empty() {
+                    cuts.clear();
+                    tries += 1;
+                    self.trust *= SHORTER;
+                    if tries > MOST_TRIES {
+                        return Advance::Stuck;
+                    }
+                    continue;
+                }
                 let weights = known.into_iter().zip(model.weights).filter(|(_, w)| *w > 1e-6).collect();
                 return Advance::Flat(weights);
             }
@@ -237,7 +259,7 @@ impl<P: Pieces> State<'_, P> {
                     tries += 1;
                     self.trust *= if there.is_none() { 0.1 } else { SHORTER };
                     if let Some(there) = there {
-                        self.cut(&there, &model.direction, &mut cuts);
+                        self.cut(&there, &model, &mut cuts);
                         self.learn(there);
                     }
                     if tries > MOST_TRIES || self.evaluations >= self.settings.evaluations {
@@ -248,24 +270,29 @@ impl<P: Pieces> State<'_, P> {
         }
     }
 
-    /// The planes that touch the highest pieces at x + d, as they are at x; no higher there than the functions.
-    fn cut(&self, there: &[SmoothPiece<P::Id>], d: &[f64], cuts: &mut Vec<SmoothPiece<P::Id>>) {
-        let (f, c) = levels(&self.pieces);
-        let (high, excess) = levels(there);
+    /// The planes that touch the highest pieces at x + d, as they are at x; lower there than the functions by a share of
+    /// the decrease that was promised (the downshift of Apkarian, Noll and Prot, SIAM J. Optim. 19 (2008) 281–306): a plane as high
+    /// as f at x would make a kink of every x.
+    fn cut(&self, there: &[SmoothPiece<P::Id>], model: &Step, cuts: &mut Vec<SmoothPiece<P::Id>>) {
+        let (now, then) = (Levels::of(&self.pieces), Levels::of(there));
+        let down = |role: Role| {
+            let penalty = match role {
+                Role::Goal => 1.0,
+                Role::Bound(_) => self.penalty,
+                Role::Edge => EDGE * self.penalty,
+            };
+            DOWNSHIFT * model.decrease / penalty
+        };
         for p in there {
-            let (top, here) = if p.role == Role::Goal { (high, f) } else { (excess.max(0.0), c) };
+            let (top, here) = (then.at(p.role), now.at(p.role));
             if p.value < top - 1e-9 - 0.1 * (top - here).abs() {
                 continue;
             }
-            let value = (p.value - dot(&p.gradient, d)).min(here);
+            let value = (p.value - dot(&p.gradient, &model.direction)).min(here - down(p.role));
             cuts.push(SmoothPiece { value, ..p.clone() });
         }
         let excess = cuts.len().saturating_sub(MOST_CUTS);
         cuts.drain(..excess);
-    }
-
-    fn merit(&self) -> f64 {
-        merit(&self.pieces, self.penalty)
     }
 
     /// All pieces of the model.
@@ -280,8 +307,13 @@ impl<P: Pieces> State<'_, P> {
 
     /// As many of the pieces as a model is worth, the highest of goal and of bounds.
     fn highest(&self, mut known: Vec<SmoothPiece<P::Id>>) -> Vec<SmoothPiece<P::Id>> {
-        for goal in [true, false] {
-            let is_of = |p: &SmoothPiece<P::Id>| (p.role == Role::Goal) == goal;
+        let kind = |p: &SmoothPiece<P::Id>| match p.role {
+            Role::Goal => 0,
+            Role::Bound(_) => 1,
+            Role::Edge => 2,
+        };
+        for of in 0..3 {
+            let is_of = |p: &SmoothPiece<P::Id>| kind(p) == of;
             let mut values: Vec<f64> = known.iter().filter(|p| is_of(p)).map(|p| p.value).collect();
             if values.len() > MOST_PIECES {
                 values.sort_by(|a, b| b.total_cmp(a));
@@ -297,23 +329,35 @@ impl<P: Pieces> State<'_, P> {
         if self.w.is_empty() {
             self.w = self.first_matrix(known)?;
         }
-        let now = levels(known).1;
+        let Levels { goal, bound: now, .. } = Levels::of(known);
+        let w: Vec<f64> = self.w.iter().map(|v| self.trust * v).collect();
         loop {
-            let w: Vec<f64> = self.w.iter().map(|v| self.trust * v).collect();
-            let model = step(known, &w, self.penalty)?;
-            // all of the penalty is used, and bounds are still exceeded, more than a step may leave them
-            let exceeded = model.violation > MET && model.violation > 0.5 * now && model.slack < 1e-6;
-            if !exceeded || self.penalty >= STIFFEST || levels(known).0 == f64::NEG_INFINITY {
+            let model = step(known, &w, self.penalty, false)?;
+            // all of the penalty is used, and bounds are still exceeded
+            let exceeded = model.violation > MET && model.slack < 1e-6;
+            if !exceeded || self.penalty * STIFFER > STIFFEST || goal == f64::NEG_INFINITY {
+                return Some(model);
+            }
+            // steered: the goal may not take most of what the bounds could gain by a step as long
+            let possible = now - self.least_violation(known, &w)?;
+            if now - within(known, &model, self.radius) >= STEERED * possible {
                 return Some(model);
             }
             self.penalty *= STIFFER;
         }
     }
 
+    /// The violation after a step of the bounds alone.
+    fn least_violation(&self, known: &[SmoothPiece<P::Id>], w: &[f64]) -> Option<f64> {
+        let bounds: Vec<SmoothPiece<P::Id>> =
+            known.iter().filter(|p| p.role != Role::Goal).cloned().collect();
+        Some(within(&bounds, &step(&bounds, w, self.penalty, false)?, self.radius))
+    }
+
     /// A matrix of which the first step gains a tenth, or goes a tenth of x's length.
     fn first_matrix(&self, known: &[SmoothPiece<P::Id>]) -> Option<Vec<f64>> {
         let n = self.x.len();
-        let s = step(known, &identity(n, 1.0), self.penalty)?;
+        let s = step(known, &identity(n, 1.0), self.penalty, false)?;
         let length = dot(&s.slope, &s.slope).sqrt();
         let size = (0.1 * self.radius / self.settings.longest / length).min(0.2 / (length * length));
         Some(identity(n, if size.is_finite() && size > 0.0 { size } else { 1.0 }))
@@ -393,8 +437,8 @@ impl<P: Pieces> State<'_, P> {
             y.iter_mut().zip(after.iter().zip(&before)).for_each(|(y, (a, b))| *y += weight * (a - b));
         }
         let s: Vec<f64> = next.iter().zip(&self.x).map(|(a, b)| a - b).collect();
-        // H s of a step t d is −t Σ weight · gradient / trust
-        let hs: Vec<f64> = model.slope.iter().map(|v| -t * v / self.trust).collect();
+        // d = −trust W Σ weight · gradient: W⁻¹s of a step t d is −t trust Σ weight · gradient
+        let hs: Vec<f64> = model.slope.iter().map(|v| -t * v * self.trust).collect();
         let (shs, sy) = (dot(&s, &hs), dot(&s, &y));
         if self.fresh && sy > DAMPED * 1e-3 * shs {
             let scale = sy / dot(&y, &y);
@@ -423,6 +467,7 @@ impl<P: Pieces> State<'_, P> {
         let height = |p: &SmoothPiece<P::Id>| match p.role {
             Role::Goal => p.value,
             Role::Bound(_) => now + self.penalty * p.value,
+            Role::Edge => now + EDGE * self.penalty * p.value,
         };
         there.sort_by(|a, b| height(b).total_cmp(&height(a)));
         for p in there.into_iter().take(LEARNT) {
@@ -462,7 +507,19 @@ impl<P: Pieces> State<'_, P> {
     /// The pieces that hold x.
     fn weighted(&mut self) -> Vec<(SmoothPiece<P::Id>, f64)> {
         let known = self.bundle();
+        self.trust = 1.0;
         let Some(model) = self.model(&known) else { return Vec::new() };
         known.into_iter().zip(model.weights).filter(|(_, w)| *w > 1e-6).collect()
     }
+}
+
+/// max(0, c + ∇cᵀd) after as much of a step as the radius allows.
+fn within<I>(known: &[SmoothPiece<I>], model: &Step, radius: f64) -> f64 {
+    let length = dot(&model.direction, &model.direction).sqrt();
+    let share = if length > radius { radius / length } else { 1.0 };
+    known
+        .iter()
+        .filter(|p| matches!(p.role, Role::Bound(_)))
+        .map(|p| p.value + share * dot(&p.gradient, &model.direction))
+        .fold(0.0, f64::max)
 }

@@ -7,6 +7,9 @@ pub enum Role {
     Goal,
     /// A bound: the piece is to be ≤ 0. The number says which bound.
     Bound(usize),
+    /// The edge of where the functions are defined, or a bound that is to be kept before all others: ≤ 0, with a penalty of its own,
+    /// as the largest bound alone counts among bounds and may hide it.
+    Edge,
 }
 
 /// A smooth function that is the largest, or nearly so, at a point.
@@ -40,16 +43,47 @@ pub trait Pieces: Sync {
     fn apart(&self, one: &Self::Id, other: &Self::Id) -> Option<f64>;
 }
 
-/// f and max(0, c) of the pieces at a point; −∞ where there is no goal.
-pub(super) fn levels<I>(pieces: &[SmoothPiece<I>]) -> (f64, f64) {
-    pieces.iter().fold((f64::NEG_INFINITY, 0.0), |(f, c), p| match p.role {
-        Role::Goal => (f.max(p.value), c),
-        Role::Bound(_) => (f, c.max(p.value)),
-    })
+/// The edges' penalty, as a multiple of the bounds'.
+pub(super) const EDGE: f64 = 100.0;
+
+/// What a point's pieces come to.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Levels {
+    /// f; −∞ where there is no goal.
+    pub goal: f64,
+    /// max(0, c) of the bounds.
+    pub bound: f64,
+    /// The same of the edges.
+    pub edge: f64,
 }
 
-/// f + ρ max(0, c); of bounds alone max(0, c).
+impl Levels {
+    pub fn of<I>(pieces: &[SmoothPiece<I>]) -> Self {
+        let none = Levels { goal: f64::NEG_INFINITY, bound: 0.0, edge: 0.0 };
+        pieces.iter().fold(none, |l, p| match p.role {
+            Role::Goal => Levels { goal: l.goal.max(p.value), ..l },
+            Role::Bound(_) => Levels { bound: l.bound.max(p.value), ..l },
+            Role::Edge => Levels { edge: l.edge.max(p.value), ..l },
+        })
+    }
+
+    /// What a piece's role comes to.
+    pub fn at(self, role: Role) -> f64 {
+        match role {
+            Role::Goal => self.goal,
+            Role::Bound(_) => self.bound,
+            Role::Edge => self.edge,
+        }
+    }
+
+    /// f + ρ (max(0, c) + 100 max(0, e)); without f where there is no goal.
+    pub fn merit(self, penalty: f64) -> f64 {
+        let bounds = penalty * (self.bound + EDGE * self.edge);
+        if self.goal == f64::NEG_INFINITY { bounds } else { self.goal + bounds }
+    }
+}
+
+/// The merit of pieces.
 pub(super) fn merit<I>(pieces: &[SmoothPiece<I>], penalty: f64) -> f64 {
-    let (f, c) = levels(pieces);
-    if f == f64::NEG_INFINITY { penalty * c } else { f + penalty * c }
+    Levels::of(pieces).merit(penalty)
 }

@@ -2,16 +2,19 @@
 
 use super::bfgs::identity;
 use super::model::step;
-use super::pieces::{Pieces, SmoothPiece};
+use super::pieces::{Levels, Pieces, SmoothPiece};
 use super::simplex::dot;
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
+/// Bounds are exceeded from here on.
+const MET: f64 = 1e-6;
+
 /// What the gradients in a ball around x say.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sampled {
-    /// ‖Σ weight · gradient‖ at its least: goals' weights sum to 1, bounds' to at most ρ and are 0 where they are met
-    /// with room.
+    /// ‖Σ weight · gradient‖ at its least: goals' weights sum to 1; bounds' to ρ where they are exceeded, to at most ρ
+    /// where they are just met, to 0 where they are met with room.
     pub distance: f64,
     /// The ball's radius.
     pub radius: f64,
@@ -20,7 +23,9 @@ pub struct Sampled {
 }
 
 /// The distance of 0 from the convex hull of the gradients of f + ρ max(0, c) at x and at random points within a radius:
-/// 0 where x is stationary, and the steepest descent that all of them allow elsewhere.
+/// 0 where x is stationary, and the steepest descent that all of them allow elsewhere. It is Goldstein's ε-subdifferential
+/// as far as the points show it: a small distance is no proof that x is stationary, only that something within the
+/// radius nearly is, and fewer points than n + 1 show part of it.
 ///
 /// Pieces count that are within what the gradients let them change over the ball of the largest one.
 /// None where the functions are not defined at x.
@@ -36,7 +41,9 @@ pub fn sampled_subdifferential<P: Pieces>(
 ) -> Option<Sampled> {
     let n = x.len();
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
-    let mut gathered: Vec<SmoothPiece<P::Id>> = near(problem.pieces(x)?, radius);
+    let here = problem.pieces(x)?;
+    let exceeded = Levels::of(&here).bound > MET;
+    let mut gathered: Vec<SmoothPiece<P::Id>> = near(here, radius);
     let mut counted = 1;
     for _ in 0..points {
         let direction: Vec<f64> = (0..n).map(|_| rng.random_range(-1.0..1.0)).collect();
@@ -52,19 +59,18 @@ pub fn sampled_subdifferential<P: Pieces>(
     for p in &mut gathered {
         p.value = 0.0;
     }
-    let s = step(&gathered, &identity(n, 1.0), penalty)?;
+    let s = step(&gathered, &identity(n, 1.0), penalty, exceeded)?;
     Some(Sampled { distance: dot(&s.slope, &s.slope).sqrt(), radius, points: counted })
 }
 
 /// Pieces that are the largest somewhere within the radius, as far as their gradients say.
 fn near<I>(pieces: Vec<SmoothPiece<I>>, radius: f64) -> Vec<SmoothPiece<I>> {
-    let (f, _) = super::pieces::levels(&pieces);
+    let levels = Levels::of(&pieces);
     pieces
         .into_iter()
         .filter(|p| {
             let change = 2.0 * radius * dot(&p.gradient, &p.gradient).sqrt() + 1e-9;
-            let top = if p.role == super::Role::Goal { f } else { 0.0 };
-            p.value >= top - change
+            p.value >= levels.at(p.role) - change
         })
         .collect()
 }

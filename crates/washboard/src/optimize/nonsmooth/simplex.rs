@@ -149,16 +149,21 @@ fn solve(l: &[f64], m: usize, b: &mut [f64]) {
     }
 }
 
-/// x of a system of one or two equations.
+/// x of a system of a few equations, a symmetric positive definite one: by elimination.
 fn tiny(a: &[f64], b: &[f64]) -> Vec<f64> {
-    match *b {
-        [one] => vec![one / a[0]],
-        [one, two] => {
-            let det = a[0] * a[3] - a[1] * a[2];
-            vec![(a[3] * one - a[1] * two) / det, (a[0] * two - a[2] * one) / det]
+    let n = b.len();
+    let (mut a, mut x) = (a.to_vec(), b.to_vec());
+    for k in 0..n {
+        for i in k + 1..n {
+            let factor = a[i * n + k] / a[k * n + k];
+            (k..n).for_each(|j| a[i * n + j] -= factor * a[k * n + j]);
+            x[i] -= factor * x[k];
         }
-        _ => Vec::new(),
     }
+    for k in (0..n).rev() {
+        x[k] = (x[k] - (k + 1..n).map(|j| a[k * n + j] * x[j]).sum::<f64>()) / a[k * n + k];
+    }
+    x
 }
 
 #[cfg(test)]
@@ -192,7 +197,7 @@ mod tests {
         use rand::{Rng, SeedableRng};
         for seed in 0..200 {
             let mut rng = rand_chacha::ChaCha8Rng::seed_from_u64(seed);
-            let (m, n, groups) = (rng.random_range(2..30), rng.random_range(1..8), 1 + (seed % 2) as usize);
+            let (m, n, groups) = (rng.random_range(3..30), rng.random_range(1..8), 1 + (seed % 3) as usize);
             let scale = 10f64.powi((seed % 7) as i32 - 3);
             let rows: Vec<Vec<f64>> =
                 (0..m).map(|_| (0..n).map(|_| scale * rng.random_range(-1.0..1.0)).collect()).collect();

@@ -189,3 +189,82 @@ fn samples_see_a_kink_that_the_point_itself_does_not() {
     // (1, −3) and the bound's (1, 1) with weight 1
     assert!((narrow.distance - 8f64.sqrt()).abs() < 5e-3, "{narrow:?}");
 }
+
+/// −x + 2x²/(x² + .0025) falls from 0 into a narrow dip, and steps that are too long show planes that would make a kink of 0.
+#[test]
+fn a_failed_step_makes_no_optimum_of_where_it_began() {
+    let dip = Largest {
+        of: vec![(Role::Goal, |x| {
+            let q = x[0] * x[0] + 0.0025;
+            (-x[0] + 2.0 * x[0] * x[0] / q + x[1] * x[1], vec![-1.0 + 0.01 * x[0] / (q * q), 2.0 * x[1]])
+        })],
+        near: 0.1,
+        defined: |x| x[0] < 1.0,
+    };
+    let found = minimize(&dip, &[0.0, 0.0], &BundleSettings::default()).unwrap();
+    // the dip's bottom: −1 + .01 x/(x² + .0025)² = 0 at 6.25e-4, where it is −3.12e-4
+    assert!(found.goal < -3.1e-4 && (found.x[0] > 6e-4), "{found:?}");
+    let slope = sampled_subdifferential(&dip, &found.x, 4.0, 1e-7, 10, 7).unwrap().distance;
+    assert!(slope < 1e-2, "{slope} {found:?}");
+}
+
+/// x² under x ≥ 20, seen in tenths, from 0 with steps of 1 at most: the bound can't be met at once, which is no reason for a larger penalty
+/// than the 400 that holds the optimum.
+#[test]
+fn a_bound_that_is_many_steps_away_does_not_drive_the_penalty_up() {
+    let far = Largest {
+        of: vec![
+            (Role::Goal, |x| (x[0] * x[0] + x[1] * x[1], vec![2.0 * x[0], 2.0 * x[1]])),
+            (Role::Bound(0), |x| (0.1 * (20.0 - x[0]), vec![-0.1, 0.0])),
+        ],
+        near: 0.1,
+        defined: everywhere,
+    };
+    let settings = BundleSettings { longest: 0.2, ..BundleSettings::default() };
+    let found = minimize(&far, &[0.0, 0.0], &settings).unwrap();
+    assert!((found.x[0] - 20.0).abs() < 1e-4 && found.violation < 1e-6, "{found:?}");
+    assert!((400.0..1e4).contains(&found.penalty), "{found:?}");
+}
+
+/// The goal falls up to an edge at x₁ = 0, where a bound far from met hides it among bounds: the search slides along the edge to where
+/// the bound is met.
+#[test]
+fn an_edge_is_slid_along_however_far_a_bound_is_exceeded() {
+    let edge = Largest {
+        of: vec![
+            (Role::Goal, |x| (3.0 * x[0] + 0.01 * x[1] * x[1], vec![3.0, 0.02 * x[1]])),
+            (Role::Bound(0), |x| (5.0 + x[1] + x[0], vec![1.0, 1.0])),
+            (Role::Edge, |x| (1e-6 - x[0], vec![-1.0, 0.0])),
+        ],
+        near: 100.0,
+        defined: |x| x[0] > 0.0,
+    };
+    // all told: the edge is among the pieces however much lower than the bound it is
+    let found = minimize(&edge, &[2.0, 7.0], &BundleSettings::default()).unwrap();
+    assert!(found.violation < 1e-6 && found.x[1] <= -4.99 && found.x[0] < 1e-3, "{found:?}");
+}
+
+/// Where a bound is exceeded its whole penalty pulls: x = 0 of x² under x ≥ 1 is as far from stationary as ρ says.
+#[test]
+fn an_exceeded_bound_pulls_with_all_its_penalty() {
+    let apart = Largest {
+        of: vec![
+            (Role::Goal, |x| (x[0] * x[0] + x[1] * x[1], vec![2.0 * x[0], 2.0 * x[1]])),
+            (Role::Bound(0), |x| (1.0 - x[0], vec![-1.0, 0.0])),
+        ],
+        near: 0.1,
+        defined: everywhere,
+    };
+    let found = sampled_subdifferential(&apart, &[0.0, 0.0], 7.0, 1e-5, 10, 7).unwrap();
+    assert!((found.distance - 7.0).abs() < 1e-3, "{found:?}");
+    // and the least excess of two bounds that contradict each other is stationary
+    let torn = Largest {
+        of: vec![
+            (Role::Bound(0), |x| (1.0 - x[0], vec![-1.0, 0.0])),
+            (Role::Bound(1), |x| (1.0 + x[0], vec![1.0, 0.0])),
+        ],
+        ..apart
+    };
+    let at = |x: f64| sampled_subdifferential(&torn, &[x, 0.0], 7.0, 1e-5, 10, 7).unwrap().distance;
+    assert!(at(0.0) < 1e-6 && (at(0.5) - 7.0).abs() < 1e-6, "{} {}", at(0.0), at(0.5));
+}

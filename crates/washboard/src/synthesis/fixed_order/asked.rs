@@ -37,7 +37,8 @@ pub struct FixedOrderSettings {
     pub iterations: usize,
     /// A relative gain below this is none.
     pub tolerance: f64,
-    /// Whether lower orders are designed first and begun from: then more states are never worse.
+    /// Whether lower orders are designed first and begun from: then more states are never worse, as one of them with states
+    /// that nothing reads is the result where it is the best.
     pub lower_orders: bool,
 }
 

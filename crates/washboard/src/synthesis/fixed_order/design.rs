@@ -1,14 +1,15 @@
 //! A controller of given order: many starts, a local search from each, the best one verified.
 
 use super::asked::{FixedOrder, FixedOrderSettings, check};
-use super::outcome::{FixedOrderEnd, FixedOrderWork, describe};
-use super::problem::{Id, Problem};
+use super::outcome::{FixedOrderDesign, FixedOrderEnd, FixedOrderWork, describe};
+use super::problem::{Id, Problem, own_poles};
+use super::scales::Scales;
 use super::search::{Led, MET, as_it_is, better, from, further};
 use super::structure::{Entry, Structure, controller_of};
 use super::targets::{Aim, Measure, Target};
 use super::verify::{self, Values};
 use super::{full_order, starts};
-use crate::lti::{Continuous, LtiError, StateSpace};
+use crate::lti::{Continuous, StateSpace};
 use crate::optimize::{BundleResult, BundleSettings, Pieces};
 use crate::synthesis::SynthesisError;
 use rayon::prelude::*;
@@ -40,8 +41,9 @@ const GAIN: f64 = 2e-5;
 ///
 /// Every start is brought into the stable set (BFGS on the largest real part), then ln of the goal under ln of the bounds
 /// is minimised by [`minimize`](crate::optimize::minimize): the pieces are Re uᴴT(iω)v at every peak of every channel, H2
-/// norms and eigenvalues, with exact gradients. The three best are searched to the end, the best is verified by norms that
-/// share nothing with the search, and where these stand higher, their frequencies are added and the search goes on.
+/// norms and eigenvalues, with exact gradients. The three best are searched to the end, the best is verified by the
+/// library's own norms (the Hamiltonian's test, factored Lyapunov equations) of the loop closed anew, and where these stand
+/// higher, their frequencies are added and the search goes on.
 ///
 /// # Errors
 /// Plants whose signals don't fit the structure or each other, targets that name no signal, numbers that are none.
@@ -57,22 +59,35 @@ pub fn fixed_order(
     given.extend(full_order::controllers(&asked.plants, &asked.targets));
     let order = asked.structure.order();
     let mut work = FixedOrderWork::default();
+    let mut lower: Option<FixedOrderDesign> = None;
     if settings.lower_orders && asked.structure.is_full() {
-        for lower in 0..order {
+        for less in 0..order {
             let s = &asked.structure;
-            let structure = Structure::full(lower, s.controls(), s.measurements());
+            let structure = Structure::full(less, s.controls(), s.measurements());
             let starts = given.clone();
             let less = FixedOrder { structure, starts, ..asked.clone() };
             let found = one_order(&less, settings)?;
             work.add(found.1);
             if let FixedOrderEnd::Designed(d) | FixedOrderEnd::BoundsNotMet(d) = found.0 {
-                given.push(d.controller);
+                given.push(d.controller.clone());
+                if lower.as_ref().is_none_or(|l| d.is_better(l)) {
+                    lower = Some(*d);
+                }
             }
         }
     }
     let last = FixedOrder { starts: given, ..asked.clone() };
     let (mut end, own) = one_order(&last, settings)?;
     work.add(own);
+    // more states are never worse
+    if let Some(mut less) = lower
+        && end.design().is_none_or(|d| less.is_better(d))
+    {
+        let (slowest, fastest) = own_poles(asked.margin_rad_s, asked.max_pole_rad_s);
+        let pole = Scales::of(&asked.plants, &asked.targets).pace.max(slowest).min(fastest);
+        less.controller = starts::padded(&less.controller, order, pole)?;
+        end = FixedOrderEnd::of(less);
+    }
     match &mut end {
         FixedOrderEnd::Designed(d) | FixedOrderEnd::BoundsNotMet(d) => d.work = work,
         FixedOrderEnd::NotStabilised { work: of, .. } => *of = work,
@@ -147,12 +162,7 @@ fn one_order(
     let end = match found {
         None => FixedOrderEnd::NotStabilised { abscissa: least, work },
         Some((best, controller, values)) => {
-            let design = describe(asked, &problem, &best, controller, &values, settings.seed);
-            if design.violation <= MET {
-                FixedOrderEnd::Designed(Box::new(design))
-            } else {
-                FixedOrderEnd::BoundsNotMet(Box::new(design))
-            }
+            FixedOrderEnd::of(describe(asked, &problem, &best, controller, &values, settings.seed)?)
         }
     };
     work.count(&problem);
@@ -173,17 +183,15 @@ fn settled(
     let Some(first) = results.first().cloned() else { return Ok(None) };
     results.insert(0, shaken(problem, first, settings, long));
     let mut last = None;
-    for _ in 0..ROUNDS {
+    let mut round = 0;
+    while round < ROUNDS {
         let Some(best) = results.first().cloned() else { break };
-        let (controller, values) = match verified(asked, problem, &best) {
-            Ok(found) => found,
-            // a pole on the axis but for rounding
-            Err(SynthesisError::Lti(LtiError::NotStable { .. })) => {
-                results.remove(0);
-                continue;
-            }
-            Err(e) => return Err(e),
+        let Ok((controller, values)) = verified(asked, problem, &best) else {
+            // a pole on the axis but for rounding, a loop that is hardly well posed: no candidate
+            results.remove(0);
+            continue;
         };
+        round += 1;
         let missed = missed(asked, problem, &best, &values);
         last = Some((best, controller, values));
         if missed.is_empty() {
@@ -288,7 +296,19 @@ fn verified(
     best: &BundleResult<Id>,
 ) -> Result<(StateSpace<Continuous>, Values), SynthesisError> {
     let controller = controller_of(&problem.block(&best.x), problem.structure.order())?;
-    let values = verify::values(&asked.plants, &asked.targets, &controller)?;
+    let mut values = verify::values(&asked.plants, &asked.targets, &controller)?;
+    // a gain at any frequency is no more than the norm: the higher of both is nearer to it
+    if let Some(pieces) = problem.pieces(&best.x) {
+        let seen = problem.values(&pieces);
+        for ((t, value), (w, seen)) in
+            asked.targets.iter().zip(&mut values).zip(problem.wanted.iter().zip(seen))
+        {
+            let norm = (seen + w.unit).exp();
+            if matches!(t.measure, Measure::Hinf(_)) && norm > value.0 {
+                value.0 = norm;
+            }
+        }
+    }
     Ok((controller, values))
 }
 

@@ -2,10 +2,12 @@
 
 use super::asked::FixedOrder;
 use super::problem::{Id, Of, Problem};
+use super::search::MET;
 use super::targets::{Aim, Measure};
-use super::verify::Values;
+use super::verify::{self, Values};
 use crate::lti::{Continuous, StateSpace};
-use crate::optimize::{BundleEnd, BundleResult, Pieces, Role, Sampled, sampled_subdifferential};
+use crate::optimize::{BundleEnd, BundleResult, Sampled, sampled_subdifferential};
+use crate::synthesis::SynthesisError;
 use std::sync::atomic::Ordering::Relaxed;
 
 /// The ball around the result in which gradients are sampled, as a share of 1 + ‖x‖.
@@ -29,6 +31,38 @@ pub enum FixedOrderEnd {
     BoundsNotMet(Box<FixedOrderDesign>),
 }
 
+impl FixedOrderEnd {
+    pub(super) fn of(design: FixedOrderDesign) -> Self {
+        if design.violation <= MET {
+            FixedOrderEnd::Designed(Box::new(design))
+        } else {
+            FixedOrderEnd::BoundsNotMet(Box::new(design))
+        }
+    }
+
+    pub(super) fn design(&self) -> Option<&FixedOrderDesign> {
+        match self {
+            FixedOrderEnd::Designed(d) | FixedOrderEnd::BoundsNotMet(d) => Some(d),
+            FixedOrderEnd::NotStabilised { .. } => None,
+        }
+    }
+}
+
+impl FixedOrderDesign {
+    /// Bounds first, then the goal, by more than rounding.
+    pub(super) fn is_better(&self, other: &Self) -> bool {
+        match (self.violation <= MET, other.violation <= MET) {
+            (true, true) => match (self.verified_goal, other.verified_goal) {
+                (Some(a), Some(b)) => a < b * (1.0 - 1e-9),
+                _ => false,
+            },
+            (true, false) => true,
+            (false, true) => false,
+            (false, false) => self.violation < other.violation,
+        }
+    }
+}
+
 /// A controller, and what its loops are.
 #[derive(Debug, Clone)]
 pub struct FixedOrderDesign {
@@ -40,7 +74,7 @@ pub struct FixedOrderDesign {
     pub verified_goal: Option<f64>,
     /// Each target in the loop, by the independent norms.
     pub values: Vec<TargetValue>,
-    /// The largest excess of a bound, as a share of it (of an abscissa in units of the plants' pace): 0 where all are met.
+    /// The largest excess of a bound, as a share of it (of an abscissa in units of the plants' pace); up to 1e-6 counts as met.
     pub violation: f64,
     /// The distance of 0 from the gradients of ln goal + penalty around the result, in units of the search's numbers, which
     /// are of the order of 1: what a step of length 1 would gain by, as a share, at this slope.
@@ -91,14 +125,17 @@ pub(super) fn describe(
     controller: StateSpace<Continuous>,
     values: &Values,
     seed: u64,
-) -> FixedOrderDesign {
+) -> Result<FixedOrderDesign, SynthesisError> {
     let mut goal: Option<f64> = None;
     let mut violation: f64 = 0.0;
     let mut listed = Vec::new();
     let all: f64 = best.active.iter().map(|(_, w)| w).sum();
     for (k, (t, (value, omega))) in asked.targets.iter().zip(values).enumerate() {
         match t.aim {
-            Aim::Goal(unit) => goal = Some(goal.map_or(value / unit, |g: f64| g.max(value / unit))),
+            Aim::Goal(unit) => {
+                let share = if t.measure == Measure::Abscissa { (value / unit).exp() } else { value / unit };
+                goal = Some(goal.map_or(share, |g: f64| g.max(share)));
+            }
             Aim::Bound(limit) => {
                 let excess = match t.measure {
                     Measure::Abscissa => (value - limit) / problem.scales.pace,
@@ -125,15 +162,7 @@ pub(super) fn describe(
             active_rad_s,
         });
     }
-    // the controller's own limits
-    if let Some(pieces) = problem.pieces(&best.x) {
-        let values = problem.values(&pieces);
-        for (w, v) in problem.wanted.iter().zip(&values).skip(asked.targets.len()) {
-            if w.role != Role::Goal {
-                violation = violation.max(v.exp() - 1.0);
-            }
-        }
-    }
+    let violation = violation.max(verify::beyond_limits(asked, &controller, problem.scales.pace)?);
     let scale = 1.0 + best.x.iter().map(|v| v * v).sum::<f64>().sqrt();
     let stationarity = sampled_subdifferential(
         problem,
@@ -143,7 +172,7 @@ pub(super) fn describe(
         2 * best.x.len().min(40),
         seed,
     );
-    FixedOrderDesign {
+    Ok(FixedOrderDesign {
         controller,
         goal: best.goal.is_finite().then(|| best.goal.exp()),
         verified_goal: goal,
@@ -152,7 +181,7 @@ pub(super) fn describe(
         stationarity,
         converged: best.end == BundleEnd::Converged,
         work: FixedOrderWork::default(),
-    }
+    })
 }
 
 impl FixedOrderWork {

@@ -54,12 +54,19 @@ pub(super) fn find(
             heights[c][k] = gain(&t, m, channel).ln() - unit;
         }
     }
-    let top = heights.iter().flatten().copied().fold(f64::NEG_INFINITY, f64::max);
+    if heights.iter().flatten().any(|h| h.is_nan() || *h == f64::INFINITY) {
+        return None;
+    }
     let mut found = Vec::new();
     for (c, (target, channel, unit, is_bound)) in channels.iter().enumerate() {
         let h = &heights[c];
         // a bound counts near its limit, a goal near the highest
         let own = h.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        if own == f64::NEG_INFINITY {
+            // nothing comes through: no place is higher than another, and there is nothing to lower
+            found.push((*target, Vec::new()));
+            continue;
+        }
         let enough = own - NEAR;
         let mut tops: Vec<usize> = (0..h.len())
             .filter(|k| {
@@ -98,7 +105,7 @@ pub(super) fn find(
         }
         found.push((*target, peaks));
     }
-    top.is_finite().then_some(found)
+    Some(found)
 }
 
 fn near(a: f64, b: f64) -> bool {

@@ -17,6 +17,10 @@ use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 const BESIDE: f64 = 0.05;
 /// Eigenvalues farther below a bound than this are not asked about.
 const ROOM: f64 = 0.7;
+/// The margin is aimed at with this more, a share of the pace.
+pub(super) const BEYOND: f64 = 2e-6;
+/// Poles farther left of it than this, in units of the pace, are not asked about.
+const FAR_LEFT: f64 = 0.1;
 /// Eigenvalues of one matrix that count at most.
 const MOST_EIGENVALUES: usize = 6;
 
@@ -60,6 +64,8 @@ pub(super) enum Kind {
     Hinf(Channel),
     H2(Channel),
     Abscissa,
+    /// The same as a bound that every loop has.
+    Margin,
     /// max |λ|.
     Radius,
 }
@@ -77,6 +83,8 @@ pub(super) struct Problem {
     pub frequencies: Vec<f64>,
     /// −Re of every pole is at least this.
     pub margin: f64,
+    /// |λ| of new states of a controller: where the margin and the controller's limits leave room.
+    pub own_poles: (f64, f64),
     pub counters: Counters,
 }
 
@@ -114,7 +122,12 @@ impl Problem {
             })
             .collect();
         let (nu, ny) = (structure.controls(), structure.measurements());
-        let scales = Scales::of(plants, targets);
+        let scales = Scales::of(plants, targets).for_structure(&structure);
+        // the edge of the stable set is a bound too: norms may fall right up to it, where a mode hardly shows in them
+        for plant in 0..opens.len() {
+            let unit = -margin - BEYOND * scales.pace;
+            wanted.push(Wanted { plant, kind: Kind::Margin, role: Role::Edge, unit });
+        }
         if limits != (None, None) {
             let plant = opens.len();
             opens.push(Open::bare(nu, ny));
@@ -138,6 +151,7 @@ impl Problem {
             structure,
             scales,
             frequencies: frequencies.to_vec(),
+            own_poles: own_poles(margin, limits.0),
             margin,
             counters: Counters::default(),
         }
@@ -244,7 +258,7 @@ impl Problem {
             let worst = poles.iter().map(|p| p.re).fold(f64::NEG_INFINITY, f64::max);
             // what a certificate would not call stable
             let size = poles.iter().map(|p| p.norm()).fold(0.0, f64::max);
-            if !(worst < -self.margin.max(1e-12 * size)) {
+            if !(worst < -1e-12 * size) {
                 return None;
             }
         }
@@ -273,7 +287,9 @@ impl Problem {
             match &self.wanted[t].kind {
                 Kind::Hinf(_) => {}
                 Kind::H2(_) => out.push(self.h2_piece(t, &closed)?),
-                Kind::Abscissa | Kind::Radius => out.extend(self.eigenvalue_pieces(t, &closed)?),
+                Kind::Abscissa | Kind::Margin | Kind::Radius => {
+                    out.extend(self.eigenvalue_pieces(t, &closed, &poles)?)
+                }
             }
         }
         Some(())
@@ -301,17 +317,21 @@ impl Problem {
         Some(SmoothPiece { role: wanted.role, value: norm.ln() - wanted.unit, gradient, id })
     }
 
-    fn eigenvalue_pieces(&self, target: usize, closed: &Closed) -> Option<Vec<SmoothPiece<Id>>> {
+    fn eigenvalue_pieces(
+        &self,
+        target: usize,
+        closed: &Closed,
+        poles: &[C64],
+    ) -> Option<Vec<SmoothPiece<Id>>> {
         let wanted = &self.wanted[target];
-        self.counters.eigenproblems.fetch_add(1, Relaxed);
-        if wanted.role != Role::Goal {
-            // a bound with much room needs no derivative
-            let values = crate::linalg::RealSchur::only_eigenvalues(&closed.a).ok()?;
-            let height = |v: &C64| self.eigenvalue_height(wanted, *v);
-            if values.iter().map(height).fold(f64::NEG_INFINITY, f64::max) < -ROOM {
-                return Some(Vec::new());
-            }
+        // a bound with much room needs no derivative
+        let height = |v: &C64| self.eigenvalue_height(wanted, *v);
+        let highest = poles.iter().map(height).fold(f64::NEG_INFINITY, f64::max);
+        let room = if matches!(wanted.kind, Kind::Margin) { FAR_LEFT } else { ROOM };
+        if poles.is_empty() || (wanted.role != Role::Goal && highest < -room) {
+            return Some(Vec::new());
         }
+        self.counters.eigenproblems.fetch_add(1, Relaxed);
         let spectrum = Spectrum::new(&closed.a)?;
         let mut all: Vec<(f64, usize)> = (0..spectrum.values.len())
             .filter(|k| spectrum.values[*k].im >= 0.0)
@@ -360,6 +380,14 @@ impl Problem {
         }
         values
     }
+}
+
+/// The least and the largest |λ| of states that a controller is given to begin with.
+pub(super) fn own_poles(margin: f64, max_pole: Option<f64>) -> (f64, f64) {
+    let most = max_pole.unwrap_or(f64::INFINITY);
+    let (slowest, fastest) = (2.0 * margin, 0.5 * most);
+    let middle = (margin * most).sqrt();
+    if slowest <= fastest { (slowest, fastest) } else { (middle, middle) }
 }
 
 /// Performances and disturbances of a plant that its targets ask about, ascending.

@@ -3,7 +3,7 @@
 use super::problem::Problem;
 use super::structure::{block_of, controller_of};
 use crate::linalg::Mat;
-use crate::lti::{Continuous, StateSpace};
+use crate::lti::{Continuous, LtiError, StateSpace};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
@@ -106,8 +106,26 @@ fn balanced(problem: &Problem, k: &StateSpace<Continuous>) -> Option<StateSpace<
     k.with_states_scaled(&t).ok()
 }
 
-/// Poles of new states: around the pace, two a decade.
+/// Poles of new states: around the pace, two a decade, where controllers and loops may have poles.
 fn own_pole(problem: &Problem, i: usize) -> f64 {
     let place = [0.0, 0.5, -0.5, 1.0, -1.0, 0.25, -0.25, 0.75][i % 8] + 0.05 * (i / 8) as f64;
-    -problem.scales.pace * 10f64.powf(place)
+    let (slowest, fastest) = problem.own_poles;
+    -(problem.scales.pace * 10f64.powf(place)).max(slowest).min(fastest)
+}
+
+/// A controller with more states that nothing reaches and nothing reads.
+pub(super) fn padded(
+    k: &StateSpace<Continuous>,
+    order: usize,
+    pole: f64,
+) -> Result<StateSpace<Continuous>, LtiError> {
+    let own = k.order();
+    let a = Mat::from_fn(order, order, |i, j| match (i < own, j < own) {
+        (true, true) => k.a()[(i, j)],
+        (false, false) if i == j => -pole,
+        _ => 0.0,
+    });
+    let b = Mat::from_fn(order, k.inputs(), |i, j| if i < own { k.b()[(i, j)] } else { 0.0 });
+    let c = Mat::from_fn(k.outputs(), order, |i, j| if j < own { k.c()[(i, j)] } else { 0.0 });
+    StateSpace::continuous(a, b, c, k.d().clone())
 }

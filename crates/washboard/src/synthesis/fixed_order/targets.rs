@@ -38,7 +38,7 @@ pub struct Target {
 /// What is to become of a measure.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Aim {
-    /// The largest of all value/unit is minimised; an abscissa is minimised in this unit.
+    /// The largest of all value/unit is minimised, where an abscissa counts as exp(value/unit).
     Goal(f64),
     /// At most this.
     Bound(f64),
@@ -71,6 +71,19 @@ impl Target {
             if !(*weight >= 0.0 && weight.is_finite()) {
                 let (field, expected) = ("a target's weight", "a finite number, not negative");
                 return Err(LtiError::Field { field, expected, found: *weight });
+            }
+        }
+        let mut seen = vec![false; plant.nw()];
+        for w in &channel.disturbances {
+            if let Some(s) = seen.get_mut(*w)
+                && std::mem::replace(s, true)
+            {
+                let expected = "each disturbance once".to_owned();
+                return Err(LtiError::Join {
+                    what: "a target's disturbances",
+                    expected,
+                    found: format!("{w} twice"),
+                });
             }
         }
         match channel.disturbances.iter().find(|w| **w >= plant.nw()) {

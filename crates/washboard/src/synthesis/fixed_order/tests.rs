@@ -1,6 +1,6 @@
 //! Values of every kind of piece against norms and poles of the plant closed by itself, gradients against differences.
 
-use super::problem::{Id, Kind, Of, Problem};
+use super::problem::{BEYOND, Id, Kind, Of, Problem};
 use super::structure::{Structure, controller_of};
 use super::targets::{Aim, Channel, Measure, Target};
 use super::{starts, verify};
@@ -137,12 +137,19 @@ fn recomputed(
 ) -> f64 {
     let controller = controller(problem, x);
     let Some(t) = targets.get(k) else {
-        // the controller's own limits: its poles first, where it has some
-        return if controller.order() > 0 && k == targets.len() {
-            let size = controller.poles().unwrap().iter().map(|p| p.norm()).fold(0.0, f64::max);
-            (size / MAX_POLE).ln()
-        } else {
-            (controller.hinf_norm().unwrap().norm / MAX_GAIN).ln()
+        // the edge of the stable set, and the controller's own limits
+        let wanted = &problem.wanted[k];
+        return match wanted.kind {
+            Kind::Margin => {
+                let margin =
+                    plants[wanted.plant].close(&controller).unwrap().least_stable_pole().unwrap().unwrap().1;
+                -margin / problem.scales.pace + BEYOND
+            }
+            Kind::Radius => {
+                let size = controller.poles().unwrap().iter().map(|p| p.norm()).fold(0.0, f64::max);
+                (size / MAX_POLE).ln()
+            }
+            _ => (controller.hinf_norm().unwrap().norm / MAX_GAIN).ln(),
         };
     };
     let closed = plants[t.plant].close(&controller).unwrap();
@@ -171,10 +178,11 @@ fn check(plants: &[GeneralizedPlant], targets: &[Target], order: usize, seed: u6
         let mut own: Vec<&SmoothPiece<Id>> = pieces.iter().filter(|p| p.id.target == k).collect();
         own.sort_by(|a, b| b.value.total_cmp(&a.value));
         let of = |x: &[f64]| recomputed(&problem, plants, targets, k, x);
+        let is_edge = problem.wanted[k].role == Role::Edge;
         let Some(top) = own.first() else {
             // eigenvalues far inside their bound have no pieces
             assert!(
-                problem.wanted[k].role != Role::Goal && of(&x) < -0.69,
+                problem.wanted[k].role != Role::Goal && of(&x) < if is_edge { -0.09 } else { -0.69 },
                 "seed {seed}, want {k}: {}",
                 of(&x)
             );
@@ -319,7 +327,7 @@ fn a_loop_that_is_not_stable_has_no_pieces() {
 }
 
 #[test]
-fn a_margin_is_a_limit_of_what_is_stable() {
+fn a_margin_is_an_edge_that_slopes() {
     let plant = plant(4, Through::default());
     let all = Channel { outputs: vec![(0, 1.0)], disturbances: vec![] };
     let targets = [target(0, Measure::Hinf(all), Aim::Goal(1.0))];
@@ -329,5 +337,28 @@ fn a_margin_is_a_limit_of_what_is_stable() {
     };
     let x = vec![0.0; CONTROLS * MEASUREMENTS];
     let own = -with(0.0).rightmost(&x).unwrap();
-    assert!(own > 0.0 && with(0.99 * own).pieces(&x).is_some() && with(1.01 * own).pieces(&x).is_none());
+    assert!(own > 0.0);
+    for share in [0.99, 1.01] {
+        let problem = with(share * own);
+        let pieces = problem.pieces(&x).unwrap();
+        let edge = pieces.iter().find(|p| p.role == Role::Edge).unwrap();
+        let over = (share - 1.0) * own / problem.scales.pace + BEYOND;
+        assert!(
+            (edge.value - over).abs() < 1e-9 && edge.gradient.iter().any(|g| *g != 0.0),
+            "{edge:?} {over}"
+        );
+    }
+}
+
+/// Nothing comes through a controller of no gain: its bound has no slope there, and the point is one to begin with.
+#[test]
+fn no_gain_keeps_every_bound_of_the_gain() {
+    let plant = plant(4, Through::default());
+    let all = Channel { outputs: vec![(0, 1.0)], disturbances: vec![] };
+    let targets = [target(0, Measure::Hinf(all), Aim::Goal(1.0))];
+    let structure = Structure::full(0, CONTROLS, MEASUREMENTS);
+    let problem = Problem::new(&[plant], &targets, structure, (None, Some(1e-3)), 0.0, &[]);
+    let pieces = problem.pieces(&[0.0; CONTROLS * MEASUREMENTS]).unwrap();
+    assert!(pieces.iter().any(|p| p.role == Role::Goal));
+    assert!(pieces.iter().all(|p| p.role == Role::Goal || p.value < 0.0));
 }

@@ -3,7 +3,7 @@
 use super::terms::Term;
 use crate::linalg::C64;
 
-/// Discs are larger by this share than they are, so that rounding finds no gap where there is none.
+/// Discs are larger by this share at least than they are, so that rounding finds no gap where there is none.
 const SLACK: f64 = 1e-12;
 /// The bisection's end, relative.
 const CLOSE: f64 = 1e-10;
@@ -17,17 +17,23 @@ struct Bowl {
     rho: f64,
     least: f64,
     goal: bool,
+    /// Of the centre and of ρ, relative.
+    slack: f64,
 }
 
 #[derive(Debug, Clone, Copy)]
 struct Disc {
     centre: C64,
     radius: f64,
+    slack: f64,
 }
 
 /// The least of the largest goal under the bounds; `None` where the bounds have no V in common.
-pub(super) fn least_level(terms: &[Term]) -> Option<f64> {
-    let bowls: Vec<Bowl> = terms.iter().map(Bowl::new).collect();
+///
+/// `doubt` is the responses' relative error: what it may do to a bowl's centre and to what is left of A there is in favour
+/// of a lower level.
+pub(super) fn least_level(terms: &[Term], doubt: f64) -> Option<f64> {
+    let bowls: Vec<Bowl> = terms.iter().map(|t| Bowl::new(t, doubt.max(SLACK))).collect();
     let start = common(&bowls, f64::INFINITY)?;
     let goals = || bowls.iter().filter(|b| b.goal);
     let mut low = goals().map(|b| b.least).fold(0.0, f64::max);
@@ -46,7 +52,7 @@ pub(super) fn least_level(terms: &[Term]) -> Option<f64> {
 }
 
 impl Bowl {
-    fn new(term: &Term) -> Self {
+    fn new(term: &Term, slack: f64) -> Self {
         let entries = || (0..term.a.nrows()).map(|i| (term.a[(i, 0)], term.b[(i, 0)]));
         let rho = entries().map(|(_, b)| b.norm_sqr()).sum::<f64>().sqrt();
         let across: C64 = entries().map(|(a, b)| b.conj() * a).sum();
@@ -54,7 +60,10 @@ impl Bowl {
         let least = entries().map(|(a, b)| (a + b * centre).norm_sqr()).sum::<f64>().sqrt();
         // one output that the control reaches can be made 0
         let least = if term.a.nrows() == 1 && rho > 0.0 { 0.0 } else { least };
-        Bowl { centre, rho, least, goal: term.goal }
+        // A and B ρ·centre may be far larger than their sum
+        let size = entries().map(|(a, _)| a.norm_sqr()).sum::<f64>().sqrt() + rho * centre.norm();
+        let least = (least - slack * size).max(0.0);
+        Bowl { centre, rho, least, goal: term.goal, slack }
     }
 
     fn at(&self, v: C64) -> f64 {
@@ -63,14 +72,14 @@ impl Bowl {
 
     /// Where it is at most `level`: `Err` nowhere, `Ok(None)` everywhere.
     fn disc(&self, level: f64) -> Result<Option<Disc>, ()> {
-        if self.least > level * (1.0 + SLACK) {
+        if self.least > level * (1.0 + self.slack) {
             return Err(());
         }
         if self.rho == 0.0 || level.is_infinite() {
             return Ok(None);
         }
         let radius = ((level - self.least).max(0.0) * (level + self.least)).sqrt() / self.rho;
-        Ok(Some(Disc { centre: self.centre, radius }))
+        Ok(Some(Disc { centre: self.centre, radius, slack: self.slack }))
     }
 }
 
@@ -95,7 +104,7 @@ fn common(bowls: &[Bowl], level: f64) -> Option<C64> {
 
 impl Disc {
     fn slack(&self) -> f64 {
-        SLACK * (self.radius + self.centre.norm())
+        self.slack * (self.radius + self.centre.norm())
     }
 
     /// Where two circles cross, and the middle between; touching within rounding counts.

@@ -48,7 +48,9 @@ pub struct PointwiseLevel {
 /// One control and one disturbance: each target is a disc of V, and the least level at which all discs meet is found by
 /// bisection over their corners. Otherwise: a semidefinite program, of which only the dual solution is believed: for Z_i with
 /// Σ B_iᴴ Z_i = 0, level ≥ (Σ Re⟨Z_i, A_i⟩ − Σ limit_j‖Z_j‖_*)/Σ unit_i‖Z_i‖_*, which is evaluated after projecting the Z_i
-/// onto that condition. Levels are lowered by 10⁻⁷ for rounding.
+/// onto that condition. Levels are lowered for the responses' rounding, which grows towards the axis's poles (frequencies nearer to one
+/// than 2·10⁻⁸ of the fastest are left out), and by 10⁻⁷; bounds may be exceeded by 10⁻⁶. So they hold as far as double precision tells; a zero of
+/// G_zu within 3·10⁻¹⁵ of the axis is taken to be on it.
 ///
 /// # Errors
 /// A target that is not of the plants; matrices that are not finite.

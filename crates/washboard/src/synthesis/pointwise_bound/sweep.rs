@@ -2,8 +2,8 @@
 
 use super::terms::{Asked, Term, terms};
 use super::{discs, matrices};
-use crate::linalg::CMat;
-use crate::lti::{Continuous, GeneralizedPlant, Responder, StateSpace};
+use crate::linalg::{C64, CMat};
+use crate::lti::{Continuous, GeneralizedPlant, Responder};
 use crate::synthesis::{SynthesisError, Target};
 
 /// Points of the grid, a decade.
@@ -19,16 +19,20 @@ const GOLDEN_STEPS: usize = 24;
 /// Steps to a zero of G_zu, to the last bit of the frequency.
 const ZERO_STEPS: usize = 75;
 /// A target whose ‖G_zu‖ is below `VANISHES` of what it is `BESIDE` away (a share of the frequency) is not reached there: a
-/// zero on the axis that rounding hides. A response that merely falls does so by far less.
-const VANISHES: f64 = 1e-9;
+/// zero on the axis that rounding hides, to within 3e-15 of the frequency. A response that merely falls does so by far less.
+const VANISHES: f64 = 3e-12;
 const BESIDE: f64 = 1e-3;
 /// Levels are lowered by this share: what rounding may add.
 const ROUNDING: f64 = 1e-7;
+/// A response's relative error is at most this many times ε times the fastest pole over the distance of the nearest.
+const ERRORS: f64 = 100.0;
+/// Frequencies where that is more than this are left out.
+const MOST_DOUBT: f64 = 1e-6;
 
 /// One plant and what is asked of it.
 pub(super) struct Sweep {
-    system: StateSpace<Continuous>,
     responder: Responder<Continuous>,
+    poles: Vec<C64>,
     nw: usize,
     asked: Vec<Asked>,
 }
@@ -68,7 +72,8 @@ impl Sweep {
             ((0..plant.nz()).collect(), (0..plant.nw() + plant.nu()).collect());
         let system = plant.system().select(&z, &inputs)?;
         let responder = system.responder()?;
-        Ok(Some(Sweep { system, responder, nw: plant.nw(), asked }))
+        let poles = system.poles()?;
+        Ok(Some(Sweep { responder, poles, nw: plant.nw(), asked }))
     }
 
     /// The worst frequency with its goal, and with what its bounds lack.
@@ -109,14 +114,19 @@ impl Sweep {
 
     /// The least level at a frequency; `None` where the plant has a pole there or nothing is proven.
     fn at(&self, omega: f64) -> Result<Option<Least>, SynthesisError> {
-        let Some(g) = self.response(omega) else { return Ok(None) };
+        let doubt = self.doubt(omega);
+        let Some(g) = self.response(omega).filter(|_| doubt <= MOST_DOUBT) else { return Ok(None) };
         let (all, columns) = terms(&self.asked, &g, self.nw, &self.unreached(omega, &g));
         if all.is_empty() {
             return Ok(Some(Least::Goal(0.0)));
         }
         let scalar = columns == 1 && g.ncols() == self.nw + 1;
         let solve = |of: &[Term]| -> Result<Option<f64>, SynthesisError> {
-            let level = if scalar { discs::least_level(of) } else { matrices::proven_level(of, columns)? };
+            let level = if scalar {
+                discs::least_level(of, doubt)
+            } else {
+                matrices::proven_level(of, columns, doubt)?
+            };
             Ok(level.map(|v| v * (1.0 - ROUNDING)))
         };
         let bounds: Vec<_> = all.iter().filter(|t| !t.goal).map(Term::as_goal).collect();
@@ -131,6 +141,14 @@ impl Sweep {
             return Ok(Some(Least::Impossible(share)));
         }
         Ok(goal.map(Least::Goal))
+    }
+
+    /// The relative error of a response: (iω − A)⁻¹ loses as many digits as the fastest pole is farther than the nearest.
+    fn doubt(&self, omega: f64) -> f64 {
+        let fastest = self.poles.iter().map(|p| p.norm()).fold(omega, f64::max);
+        let nearest =
+            self.poles.iter().map(|p| (C64::new(0.0, omega) - p).norm()).fold(f64::INFINITY, f64::min);
+        ERRORS * f64::EPSILON * (fastest / nearest).max(1.0)
     }
 
     /// Whether each target has a zero of G_zu here.
@@ -154,7 +172,7 @@ impl Sweep {
     /// A logarithmic grid around the poles, the poles' own frequencies, those that are given, and those where a target is
     /// reached least; ascending.
     fn grid(&self, frequencies: &[f64]) -> Result<Vec<f64>, SynthesisError> {
-        let poles = self.system.poles()?;
+        let poles = &self.poles;
         let fastest = poles.iter().map(|p| p.norm()).fold(0.0, f64::max);
         let moving = || poles.iter().map(|p| p.norm()).filter(|w| *w > AT_REST * fastest);
         let given: Vec<f64> = frequencies.iter().copied().filter(|w| *w > 0.0 && w.is_finite()).collect();
