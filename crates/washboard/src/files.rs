@@ -160,6 +160,7 @@ fn in_words(message: &str) -> String {
         }
         None => message,
     };
+    let message = message.replace("expected any value", "expected a number that 64 bits hold");
     let dotted = message.contains("invalid type: map, expected f64");
     let said = message.replace("expected f64", "expected a number");
     let said = said.replace("expected usize", "expected a whole number, not negative");

@@ -346,8 +346,15 @@ fn roughness(value: f64) -> Result<(), RoadError> {
 }
 
 pub(super) fn positive(field: &'static str, value: f64) -> Result<(), RoadError> {
-    if value.is_finite() && value > 0.0 {
+    // squares and products of roads beyond these leave the doubles
+    if (1e-60..=1e60).contains(&value) {
         Ok(())
+    } else if value.is_finite() && value > 0.0 {
+        Err(RoadError::Field {
+            field,
+            expected: "a positive number, 1e-60 to 1e60",
+            found: format!("{value:e}"),
+        })
     } else {
         Err(RoadError::Field { field, expected: "a positive number", found: value.to_string() })
     }

@@ -58,7 +58,8 @@ impl Problem {
         let poles = passive.poles().map_err(|e| fail(&self, e))?;
         let stable = passive.is_stable().map_err(|e| fail(&self, e))?;
         if !stable || swings(&poles).is_some() {
-            let what = not_decaying(&poles).unwrap_or_else(|| "a pole on the axis".to_owned());
+            let what =
+                not_decaying(&poles).map_or_else(|| "a pole on the axis".to_owned(), |p| p.to_string());
             return Err(StudyError::Setting {
                 field: "plant",
                 expected: "vehicles that are stable without control, as each has its goals over its own passive norms; or \

@@ -115,7 +115,7 @@ impl DesignOutcome {
         );
         more("least largest real part of a pole, rad/s", f.abscissa_rad_s.map(short));
         more("ended by itself, not by its limit of steps", (!f.targets.is_empty()).then(|| yes(f.converged)));
-        more("a local optimum", f.stationarity.map(|s| s.words()));
+        more("a local optimum", f.stationarity.filter(|_| self.controller.is_some()).map(|s| s.words()));
         more("the controller's largest gain", self.endless_gain().map(str::to_owned));
         more("largest excess of a bound, %", f.violation.map(|v| short(100.0 * v)));
         more("loops closed", count("loops"));

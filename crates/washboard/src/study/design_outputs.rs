@@ -5,6 +5,7 @@ use super::{DesignDisturbance, DesignMethod, DesignSpec, StudyError};
 use crate::linalg::{C64, eigen};
 use crate::lti::GeneralizedPlant;
 use crate::vehicle::{Output, Vehicle, VehicleSpec};
+use std::fmt;
 
 /// What a suspension engineer looks at; displacements follow the road and say little.
 pub(super) fn shown(output: &Output) -> bool {
@@ -95,25 +96,45 @@ pub(super) fn swings(poles: &[C64]) -> Option<C64> {
 }
 
 /// Why a vehicle without control is not stable; none of one that is.
-fn unstable(vehicle: &Vehicle) -> Option<String> {
+fn unstable(vehicle: &Vehicle) -> Option<Lasting> {
     let poles =
         vehicle.system().state_matrix().ok().and_then(|a| Some(eigen(&a).ok()?.0)).unwrap_or_default();
     not_decaying(&poles)
 }
 
-/// The pole that does not decay, in words.
-pub(super) fn not_decaying(poles: &[C64]) -> Option<String> {
+/// A pole that does not decay.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Lasting {
+    /// In the right half plane.
+    Grows(C64),
+    /// On the axis, at so many rad/s.
+    Swings(f64),
+    /// At 0.
+    Free,
+}
+
+impl fmt::Display for Lasting {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Lasting::Grows(p) if p.im == 0.0 => write!(f, "a pole at {} rad/s that grows", short(p.re)),
+            Lasting::Grows(p) => {
+                write!(f, "a pole at {} ± {}i rad/s that grows", short(p.re), short(p.im.abs()))
+            }
+            Lasting::Swings(omega) => write!(f, "a mode at {} rad/s that does not decay", short(*omega)),
+            Lasting::Free => write!(f, "a motion that no spring brings back (a pole at 0)"),
+        }
+    }
+}
+
+/// The pole that does not decay, if there is one.
+pub(super) fn not_decaying(poles: &[C64]) -> Option<Lasting> {
     let largest = poles.iter().map(|p| p.norm()).fold(0.0, f64::max);
     let growing = poles.iter().filter(|p| p.re > DOUBLE * largest).max_by(|a, b| a.re.total_cmp(&b.re));
-    if let Some(p) = growing {
-        let im = if p.im == 0.0 { String::new() } else { format!(" ± {}i", short(p.im.abs())) };
-        return Some(format!("a pole at {}{im} rad/s that grows", short(p.re)));
-    }
-    if let Some(p) = swings(poles) {
-        return Some(format!("a mode at {} rad/s that does not decay", short(p.im)));
-    }
     let free = poles.iter().any(|p| p.norm() <= DOUBLE.sqrt() * largest && p.re >= -DOUBLE * largest);
-    free.then(|| "a motion that no spring brings back (a pole at 0)".to_owned())
+    growing
+        .map(|p| Lasting::Grows(*p))
+        .or_else(|| swings(poles).map(|p| Lasting::Swings(p.im)))
+        .or_else(|| free.then_some(Lasting::Free))
 }
 
 /// Refuses a vehicle without control that is not stable: its norms, over which goals are, are infinite.
@@ -123,8 +144,14 @@ pub(super) fn damped(
     method: DesignMethod,
 ) -> Result<(), StudyError> {
     let Some(what) = unstable(vehicle) else { return Ok(()) };
-    let zeros: Vec<String> =
-        file.map(VehicleSpec::undamped).unwrap_or_default().iter().map(|f| format!("{f} = 0, ")).collect();
+    // without damping it swings; what grows has other reasons
+    let undamped = file.filter(|_| matches!(what, Lasting::Swings(_)));
+    let zeros: Vec<String> = undamped
+        .map(VehicleSpec::undamped)
+        .unwrap_or_default()
+        .iter()
+        .map(|f| format!("{f} = 0, "))
+        .collect();
     let or = match (file, method) {
         (Some(_), DesignMethod::FixedOrder) => "; or [normalize_at], fields with which it is",
         _ => "",
@@ -138,12 +165,12 @@ pub(super) fn damped(
 
 /// Refuses a vehicle whose stiffness holds not all of its motions, where the equations need that.
 pub(super) fn held(vehicle: &Vehicle) -> Result<(), StudyError> {
-    match unstable(vehicle).filter(|what| what.contains("no spring")) {
+    match unstable(vehicle).filter(|what| *what == Lasting::Free) {
         None => Ok(()),
         Some(what) => Err(StudyError::Setting {
             field: "vehicle",
             expected: "springs that bring back every motion".into(),
-            found: what,
+            found: what.to_string(),
         }),
     }
 }
@@ -207,4 +234,34 @@ pub(super) fn finite(
 
 fn quoted(names: &[&str]) -> String {
     names.iter().map(|n| format!("`{n}`")).collect::<Vec<_>>().join(", ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn poles_that_do_not_decay_are_told_apart() {
+        let c = C64::new;
+        let of = |poles: &[C64]| not_decaying(poles);
+        assert_eq!(of(&[c(-1.0, 10.0), c(-1.0, -10.0), c(-1e-3, 0.0)]), None);
+        assert_eq!(of(&[c(2.0, 10.0), c(2.0, -10.0), c(3.0, 0.0)]), Some(Lasting::Grows(c(3.0, 0.0))));
+        // on the axis but for rounding, on either side
+        for rounding in [-1e-14, 1e-14] {
+            assert_eq!(
+                of(&[c(-5.0, 0.0), c(rounding, 10.0), c(rounding, -10.0)]),
+                Some(Lasting::Swings(10.0))
+            );
+        }
+        // a double pole at 0 is spread by the root of rounding
+        assert_eq!(of(&[c(-100.0, 0.0), c(1e-7, 0.0), c(-1e-7, 0.0)]), Some(Lasting::Free));
+    }
+
+    #[test]
+    fn a_name_is_found_by_its_words() {
+        let known = ["heave_acceleration", "driver_heave_acceleration", "driver_heave_velocity"];
+        let near = |name| with_all_words(name, known.into_iter());
+        assert_eq!(near("driver_acceleration"), Some("driver_heave_acceleration"));
+        assert_eq!(near("heave_accel"), None);
+    }
 }
