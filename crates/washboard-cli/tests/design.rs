@@ -176,7 +176,6 @@ fn wrong_designs_are_answered_by_field() {
         ("sprung_acceleration = 1.0", "sprung_acceleration = -1.0", "goal.minimize: expected weights"),
         ("tire_damping_n_s_per_m", "tyre_damping_n_s_per_m", "no parameter `tyre_damping_n_s_per_m`"),
         ("speed_m_s = 20.0", "speed_m_s = 0.0", "speed_m_s: expected a positive number"),
-        ("case:turkay-white-velocity", "case:iso8608-c", "bogsjo"),
         (
             "[goal]",
             "[lqg]\nsensor_noise = -1.0\n[goal]",

@@ -5,7 +5,7 @@
 
 mod common;
 
-use common::{Folder, names, number};
+use common::{Folder, names, number, text_of};
 use serde_json::Value;
 use std::fs;
 
@@ -149,7 +149,7 @@ fn one_controller_serves_four_tires_and_is_never_better_than_each_tires_own() {
     let (status, _, err) = folder.run("report out");
     let page = fs::read_to_string(folder.0.join("out/report.html")).unwrap();
     assert!(status == 0 && page.contains("Every vehicle that it is for"), "{err}");
-    assert!(!page.contains("robust gain") && page.contains("Steepest descent"));
+    assert!(!page.contains("robust gain") && page.contains("A local optimum"));
     let alone = folder.designed(&of_order(1));
     assert!(number(&alone, &["objective", "verified"]) < number(&vertices[3], &["objective", "closed"]));
     // normalize_at: all over the same norms
@@ -338,6 +338,256 @@ fn wrong_designs_are_refused_with_their_numbers() {
         &format!("{}[range]\ntire_damping_n_s_per_m = [0.0, 9.0]\n", of_order(1)),
         &["range", "fixed-order"],
     );
-    refused(&with(&of_order(1), "start = \"no.json\""), &["no.json"]);
+    refused(&with(&of_order(1), "start = \"no.json\""), &["start: expected", "no.json"]);
+    refused(&with(&of_order(1), "start = \"\""), &["start: expected", "found nothing"]);
+    for (text, found) in [("[]", "a list"), ("null", "null")] {
+        fs::write(folder.0.join("k.json"), text).unwrap();
+        refused(
+            &with(&of_order(1), "start = \"k.json\""),
+            &["start: expected", "an object with a, b", found],
+        );
+    }
     refused(&of_order(1).replace("minimize = { sprung_acceleration = 1.0 }\nbound = { suspension_travel = 1.0, tire_deflection = 1.0 }\n", ""), &["goal.minimize", "or bounds"]);
+}
+
+/// What is refused is named as it stands in the file.
+#[test]
+fn a_wrong_name_is_answered_with_the_list_that_it_stands_in() {
+    let folder = Folder::new("names");
+    let wrong = |text: &str, words: &[&str]| {
+        let (status, _, err) = folder.design(text);
+        assert!(status == 2 && words.iter().all(|w| err.contains(w)), "{words:?}: {err}");
+    };
+    for list in ["minimize", "minimize_hinf", "minimize_h2"] {
+        let text = of_order(1)
+            .replace("minimize = { sprung_acceleration", &format!("{list} = {{ sprung_aceleration"));
+        let named =
+            format!("goal.{list}: expected outputs of the vehicle (did you mean `sprung_acceleration`?)");
+        wrong(&text, &[&named]);
+    }
+    for list in ["bound", "bound_hinf", "bound_h2"] {
+        let text =
+            of_order(1).replace("bound = { suspension_travel", &format!("{list} = {{ suspension_travl"));
+        wrong(&text, &[&format!("goal.{list}: expected outputs"), "`suspension_travel`?"]);
+    }
+    // by its words, before the spelling
+    let truck = of_order(1)
+        .replace("case:turkay-quarter-car", "case:chalasani-full-car")
+        .replace("tire_damping_n_s_per_m = 98.0", "")
+        .replace("sprung_acceleration", "driver_acceleration");
+    wrong(&truck, &["goal.minimize: expected", "`driver_heave_acceleration`?"]);
+}
+
+/// Numbers beyond all use are answered in a few digits, types by the key that has the wrong one.
+#[test]
+fn impossible_numbers_and_types_are_refused_by_their_field_and_shortly() {
+    let folder = Folder::new("numbers");
+    let of = |text: &str| {
+        let (status, _, err) = folder.design(text);
+        assert!(status == 2 && err.len() < 400, "{status} {err}");
+        err
+    };
+    let in_goal = |line: &str| of(&format!("{}{line}\n", of_order(1)));
+    let before = |line: &str| of(&with(&of_order(1), line));
+    let search = |line: &str| of(&format!("{}[fixed-order]\n{line}\n", of_order(1)));
+    for (err, words) in [
+        (in_goal("max_gain = 1e-320"), "goal.max_gain: expected a finite number from 1e-9, found 1e-320"),
+        (in_goal("max_pole_rad_s = 1e-320"), "goal.max_pole_rad_s: expected a finite number from 1e-9"),
+        (before("poles = { max_real_rad_s = -1e9 }"), "poles.max_real_rad_s: expected 0 down to -5000"),
+        (search("tries = 1e308"), "fixed-order.tries: expected a whole number from 0 to 10000, found 1e308"),
+        (
+            search("seed = -1"),
+            "fixed-order.seed: expected a whole number from 0 to 9007199254740992, found -1",
+        ),
+        (search("iterations = 1e308"), "found 1e308"),
+        (search("tolerance = 1e308"), "fixed-order.tolerance: expected 1e-12 to 0.1, found 1e308"),
+        (of(&format!("{CAR}order = 9223372036854775807\n")), "found 9.2"),
+        (of(&format!("{CAR}order = true\n")), "goal.order: expected a whole number from 0 to 60, found true"),
+        (
+            of(&of_order(1).replace("20.0", "1e308")),
+            "speed_m_s: expected a positive number, 0.01 to 500 m/s, found 1e308",
+        ),
+        (
+            of(&of_order(1).replace("20.0", "true")),
+            "speed_m_s: invalid type: boolean `true`, expected a number",
+        ),
+        (before("fixed-order = 3"), "fixed-order: invalid type: integer `3`, expected a table"),
+        (in_goal("minimize_h2 = { tire_deflection = \"x\" }"), "minimize_h2.tire_deflection: invalid type"),
+        (
+            of(&with(CAR, "structure = \"pid\"\npid_filter_s = 1e308")),
+            "pid_filter_s: expected a positive number of seconds, up to 1000, found 1e308",
+        ),
+        (of(&with(CAR, "structure = [[1.0]]")), "--controller"),
+        (
+            of(&format!("{}[[plant]]\n[[plant]]\ntire_damping_n_s_per_m = nan\n", of_order(1))),
+            "plant: expected finite numbers, found number 2: tire_damping_n_s_per_m = NaN",
+        ),
+        (
+            of(&of_order(1).replace("98.0", "inf")),
+            "override: expected finite numbers, found tire_damping_n_s_per_m = inf",
+        ),
+        (
+            of(&HALF.replace("[\"suspension_travel_front\"]", "[]")),
+            "local.measurements: expected at least one name in each [[local]], found none in number 1",
+        ),
+        (
+            of(&HALF.replace(
+                "[\"suspension_travel_front\"]",
+                "[\"suspension_travel_front\", \"suspension_travel_front\"]",
+            )),
+            "`suspension_travel_front` twice in number 1",
+        ),
+    ] {
+        assert!(err.contains(words), "{words}: {err}");
+    }
+    fs::write(
+        folder.0.join("road.toml"),
+        "kind = \"white-velocity\"\nroughness_m3 = 1e300\nreference_cycles_per_m = 0.1\n",
+    )
+    .unwrap();
+    let err = of(&of_order(1).replace("case:turkay-white-velocity", "road.toml"));
+    assert!(err.contains("roughness_m3: expected a positive number") && err.contains("found 1e300"), "{err}");
+}
+
+/// A vehicle that only its controller stabilises has no passive norms: goals are over those of another one.
+#[test]
+fn a_vehicle_that_is_not_stable_without_control_is_designed_over_the_norms_of_another() {
+    let folder = Folder::new("unstable");
+    let refused = |text: &str, words: &[&str]| {
+        let (status, _, err) = folder.design(text);
+        assert!(status == 2 && words.iter().all(|w| err.contains(w)), "{words:?}: {err}");
+    };
+    let undamped = of_order(1).replace("98.0", "0.0\nsuspension_damping_n_s_per_m = 0.0");
+    refused(
+        &undamped,
+        &["vehicle: expected a passive vehicle that is damped", "[normalize_at]", "does not decay"],
+    );
+    let two = format!(
+        "{}[[plant]]\n[[plant]]\ntire_damping_n_s_per_m = 0.0\nsuspension_damping_n_s_per_m = 0.0\n",
+        of_order(1)
+    );
+    refused(
+        &two,
+        &[
+            "plant: expected vehicles that are stable without control",
+            "number 2, suspension_damping",
+            "does not decay",
+        ],
+    );
+    let over = |text: &str, damping: f64| {
+        format!(
+            "{text}[normalize_at]\ntire_damping_n_s_per_m = 98.0\nsuspension_damping_n_s_per_m = {damping:?}\n"
+        )
+    };
+    let made = folder.designed(&over(&undamped, 980.0));
+    let (passive, notes) = (&made["passive"], names(&made["notes"]));
+    assert!(passive["stable"] == false && notes.contains(&"unstable-passive"), "{notes:?}");
+    assert!(made["objective"].get("passive").is_none() && made["verified"]["stable"] == true);
+    // the same norms as those of the damped car's design
+    let damped = folder.designed(&of_order(1));
+    let over_norm = number(&made, &["verified", "hinf", "sprung_acceleration"])
+        / number(&damped, &["passive", "hinf", "sprung_acceleration"]);
+    assert!((number(&made, &["objective", "verified"]) / over_norm - 1.0).abs() < 1e-6);
+    let (status, out, err) = folder.run("design design.toml -o out");
+    assert!(status == 0 && out.contains("suspension_travel"), "{out} {err}");
+    let (status, _, err) = folder.run("report out");
+    assert_eq!(status, 0, "{err}");
+    let made = folder.designed(&over(&two, 980.0));
+    let vertex = &made["vertices"][1];
+    assert!(vertex["passive"]["stable"] == false && vertex["objective"].get("passive").is_none());
+    assert!(number(vertex, &["objective", "closed"]) > 0.0);
+    // matrices of its own: a damper that pushes, a mass that no spring holds
+    let own = |file: &str| {
+        fs::write(folder.0.join("car.toml"), file).unwrap();
+        let text = of_order(1).replace("case:turkay-quarter-car", "car.toml");
+        text.replace("[override]\ntire_damping_n_s_per_m = 98.0\n", "").replace(", tire_deflection = 1.0", "")
+    };
+    let two = matrices(
+        "[[240.0, 0.0], [0.0, 36.0]]",
+        "[[-980.0, 980.0], [980.0, -980.0]]",
+        "[[16e3, -16e3], [-16e3, 176e3]]",
+        ["[\"body\", \"wheel\"]", "[[0.0], [160e3]]", "[[0.0], [0.0]]", "[1.0, 0.0]", "[1.0, -1.0]"],
+    );
+    refused(
+        &own(&two),
+        &["vehicle: expected a passive vehicle that is damped and stable", "a pole at ", "that grows"],
+    );
+    let one =
+        matrices("[[240.0]]", "[[980.0]]", "[[0.0]]", ["[\"body\"]", "[[1.0]]", "[[0.0]]", "[1.0]", "[1.0]"]);
+    refused(&own(&one), &["vehicle: expected springs that bring back every motion", "a pole at 0"]);
+}
+
+/// A vehicle file of matrices: masses, dampers, springs; names, wheel, its damping, rows of body and travel.
+fn matrices(m: &str, c: &str, k: &str, [dofs, wheel, damping, body, travel]: [&str; 5]) -> String {
+    format!(
+        "model = \"matrices\"\n[matrices]\nm = {m}\nc = {c}\nk = {k}\ndofs = {dofs}\nwheel_stiffness = {wheel}\n\
+         wheel_damping = {damping}\n[[matrices.wheel]]\nname = \"wheel\"\nat_m = [0.0, 0.0]\n[[matrices.output]]\n\
+         name = \"sprung_acceleration\"\nacceleration = {body}\n[[matrices.output]]\nname = \"suspension_travel\"\n\
+         displacement = {travel}\n[[matrices.actuator]]\nname = \"actuator\"\ncolumn = {travel}\n"
+    )
+}
+
+/// What a controller costs or fails to buy is said beside it, in words.
+#[test]
+fn gains_of_no_actuator_and_gains_of_no_use_are_said() {
+    let folder = Folder::new("words");
+    let goal = "minimize = { sprung_acceleration = 1.0 }\nbound = { suspension_travel = 1.0, tire_deflection = 1.0 }";
+    let strong = of_order(1).replace(goal, "minimize_h2 = { sprung_acceleration = 1.0 }");
+    let made = folder.designed(&strong);
+    let said = text_of(&made["warnings"], "high-gain");
+    assert!(number(&made, &["claimed", "controller_gain"]) > 1.76e6, "{}", made["claimed"]);
+    assert!(said.contains("suspension_travel") && said.contains("goal.max_gain = "), "{said}");
+    // with the bound that it names there is none
+    let bounded = folder.designed(&format!("{strong}max_gain = 176e3\n"));
+    assert!(!names(&bounded["warnings"]).contains(&"high-gain"));
+    assert!(!names(&folder.designed(&of_order(1))["warnings"]).contains(&"high-gain"));
+    // a gain from the travel under bounds of 1 and 1 has no room
+    let made = folder.designed(&of_order(0));
+    let [before, after] = ["passive", "verified"].map(|of| number(&made, &["objective", of]));
+    assert!((after / before - 1.0).abs() < 1e-4, "{after}");
+    assert!(names(&made["notes"]).contains(&"no-gain-better"), "{}", made["notes"]);
+    assert!(!names(&made["warnings"]).contains(&"worse-goal"));
+    let (status, out, err) = folder.run("design design.toml");
+    assert!(
+        status == 0 && out.contains("a local optimum") && out.contains("the goal is above that by"),
+        "{out} {err}"
+    );
+    // an integrator
+    let free = CAR.replace("suspension_travel = 1.0, tire_deflection = 1.0", "tire_deflection = 1.1");
+    folder.designed(&with(&free, "structure = \"pid\"\npid_filter_s = 0.01"));
+    let (_, out, _) = folder.run("design design.toml");
+    assert!(out.contains("infinite at 0 Hz (integrator)"), "{out}");
+}
+
+/// One track is alike to itself: a road whose left and right have a coherence of no filter is a quarter car's road.
+#[test]
+fn a_road_of_any_coherence_is_for_a_vehicle_on_one_track() {
+    let folder = Folder::new("coherence");
+    let of = |text: &str| text.replace("case:turkay-white-velocity", "case:iso8608-c");
+    // the example of the README
+    let readme = include_str!("../../../README.md");
+    let (_, after) = readme.split_once("`fixed.toml`:\n```toml\n").unwrap();
+    let example = after.split("```").next().unwrap();
+    assert!(example.contains("case:iso8608-c"));
+    let made = folder.designed(example);
+    assert!(number(&made, &["objective", "verified"]) < 0.46);
+    let full = of(&of_order(1)).replace("case:turkay-quarter-car", "case:guiggiani-full-car");
+    let full = full
+        .replace("sprung_acceleration", "heave_acceleration")
+        .replace("[override]\ntire_damping_n_s_per_m = 98.0\n", "");
+    let (status, _, err) = folder.design(&full);
+    assert!(status == 2 && err.contains("[coherence]") && err.contains("kind = \"none\""), "{err}");
+}
+
+/// A gain's file may leave out what has no entries.
+#[test]
+fn a_gain_needs_no_rows_of_states() {
+    let folder = Folder::new("gain");
+    let k = r#"{"a": [], "b": [], "c": [], "d": [[1000.0]], "inputs": ["suspension_travel"], "outputs": ["actuator"]}"#;
+    for c in ["[]", "[[]]"] {
+        fs::write(folder.0.join("k.json"), k.replace("\"c\": []", &format!("\"c\": {c}"))).unwrap();
+        let (status, _, err) = folder
+            .run("ride case:turkay-quarter-car --road case:iso8608-c --speed-m-s 20 --controller k.json");
+        assert_eq!(status, 0, "{err}");
+    }
 }

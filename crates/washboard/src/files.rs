@@ -130,13 +130,37 @@ pub fn read_toml<T: DeserializeOwned>(path: &Path) -> Result<T, FileError> {
 /// Text that is not TOML, or whose keys or values are not those of `T`, with the line.
 pub fn parse_toml<T: DeserializeOwned>(text: &str, path: &Path) -> Result<T, FileError> {
     toml::from_str(text).map_err(|e| {
-        let line = e.span().map(|s| text[..s.start.min(text.len())].matches('\n').count() + 1);
-        FileError::content(path, line, in_words(&with_suggestion(e.message())))
+        let before = e.span().map(|s| text.get(..s.start.min(text.len())).unwrap_or_default());
+        let line = before.map(|b| b.matches('\n').count() + 1);
+        let message = in_words(&with_suggestion(e.message()));
+        // serde says of a value what it is, not whose
+        let key = before.and_then(key_of).filter(|_| message.starts_with("invalid "));
+        FileError::content(path, line, key.map_or_else(|| message.clone(), |k| format!("{k}: {message}")))
     })
+}
+
+/// The key that a value stands behind, where all before it on its line is known.
+fn key_of(before: &str) -> Option<String> {
+    let line = before.rsplit('\n').next()?;
+    let (first, rest) = line.split_once('=')?;
+    let inner = rest.rsplit_once('=').map(|(head, _)| head.rsplit(['{', ',']).next().unwrap_or(head).trim());
+    let keys = std::iter::once(first.trim()).chain(inner.filter(|_| rest.trim_start().starts_with('{')));
+    Some(keys.collect::<Vec<_>>().join("."))
 }
 
 /// What serde calls by the names of types.
 fn in_words(message: &str) -> String {
+    // a number beyond 64 bits has no type of serde's
+    let message = message.strip_suffix(" as i128").unwrap_or(message).replace(" as i128,", ",");
+    // structures are tables to a reader
+    let message = match message.split_once("expected struct ") {
+        Some((before, after)) => {
+            let rest = after.trim_start_matches(|c: char| c.is_alphanumeric() || c == '_');
+            format!("{before}expected a table{rest}")
+        }
+        None => message,
+    };
+    let message = message.replace("expected any value", "expected a number that 64 bits hold");
     let dotted = message.contains("invalid type: map, expected f64");
     let said = message.replace("expected f64", "expected a number");
     let said = said.replace("expected usize", "expected a whole number, not negative");

@@ -151,13 +151,17 @@ fn peaks(o: &DesignOutcome) -> String {
 fn goal(o: &DesignOutcome) -> String {
     let value = |name: &str| o.objective.get(name).copied();
     let (passive, closed, limit) = (value("passive"), value("verified"), value("limit"));
-    let worst = value("worst");
-    let change = passive.zip(closed).filter(|(p, _)| *p > 0.0).map(|(p, c)| c / p - 1.0);
+    let (worst_passive, worst) = (value("worst_passive"), value("worst"));
+    let change = |before: Option<f64>, after: Option<f64>| {
+        before.zip(after).filter(|(p, _)| *p > 0.0).map(|(p, c)| share(Some(c / p - 1.0)))
+    };
     let known = [
         ("passive", passive.map(number)),
         ("closed", closed.map(number)),
-        ("%", change.map(|c| share(Some(c)))),
+        ("%", change(passive, closed)),
         ("worst vehicle", worst.map(number)),
+        ("passive ", worst_passive.map(number)),
+        ("% ", change(worst_passive, worst)),
         ("limit", limit.map(number)),
     ];
     let mut head = vec!["<goal, of norms over passive ones"];

@@ -80,13 +80,15 @@ pub(super) fn goal(o: &DesignOutcome) -> Option<Html> {
     let named = [
         ("passive", "passive vehicle"),
         ("verified", "closed loop"),
+        ("worst_passive", "the vehicle that is the worst then, passive"),
         ("worst", "worst of all vehicles"),
         ("limit", "what no controller beats"),
     ];
     let passive = o.objective.get("passive").copied();
     let row = |(key, words): (&str, &str)| {
         let value = *o.objective.get(key)?;
-        let change = passive.filter(|p| *p > 0.0 && key != "passive").map(|p| value / p - 1.0);
+        let passive = if key == "worst" { o.objective.get("worst_passive").copied() } else { passive };
+        let change = passive.filter(|p| *p > 0.0 && !key.ends_with("passive")).map(|p| value / p - 1.0);
         Some(vec![words.into(), significant(value, 4).into(), percent(change)])
     };
     let rows: Vec<Vec<Html>> = named.into_iter().filter_map(row).collect();

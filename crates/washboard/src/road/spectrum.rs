@@ -112,7 +112,7 @@ impl Spectrum {
         band_rad_per_m: [f64; 2],
         convention: Convention,
     ) -> Result<Self, RoadError> {
-        positive("roughness_m3", roughness_m3)?;
+        roughness(roughness_m3)?;
         positive("reference_rad_per_m", reference_rad_per_m)?;
         check_exponent("exponent", exponent)?;
         check_band(band_rad_per_m)?;
@@ -170,7 +170,7 @@ impl Spectrum {
     /// # Errors
     /// An n₀ or κ that is not positive.
     pub fn white_velocity_road(roughness_m3: f64, reference_cycles_per_m: f64) -> Result<Self, RoadError> {
-        positive("roughness_m3", roughness_m3)?;
+        roughness(roughness_m3)?;
         positive("reference_cycles_per_m", reference_cycles_per_m)?;
         let nu0 = crate::units::rad_per_s(reference_cycles_per_m);
         Ok(Spectrum::WhiteVelocity { intensity: nu0 * nu0 * roughness_m3, speed_power: 1 })
@@ -335,9 +335,26 @@ fn interpolate(x: &[f64], y: &[f64], at: f64) -> f64 {
     (y[i - 1].ln() * (1.0 - t) + y[i].ln() * t).exp()
 }
 
+/// Smoother than 1e-15 m³ is no road, and rougher than 1e3 m³ none either: their squares and products leave the doubles.
+fn roughness(value: f64) -> Result<(), RoadError> {
+    if (1e-15..=1e3).contains(&value) {
+        return Ok(());
+    }
+    let expected = "a positive number, 1e-15 to 1e3 m^3 (class A to H: 1e-6 to 0.016)";
+    let found = if value.is_finite() { format!("{value:e}") } else { value.to_string() };
+    Err(RoadError::Field { field: "roughness_m3", expected, found })
+}
+
 pub(super) fn positive(field: &'static str, value: f64) -> Result<(), RoadError> {
-    if value.is_finite() && value > 0.0 {
+    // squares and products of roads beyond these leave the doubles
+    if (1e-60..=1e60).contains(&value) {
         Ok(())
+    } else if value.is_finite() && value > 0.0 {
+        Err(RoadError::Field {
+            field,
+            expected: "a positive number, 1e-60 to 1e60",
+            found: format!("{value:e}"),
+        })
     } else {
         Err(RoadError::Field { field, expected: "a positive number", found: value.to_string() })
     }

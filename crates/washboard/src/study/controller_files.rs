@@ -20,6 +20,17 @@ pub fn read_controller(path: &Path) -> Result<(ControllerFile, Input), StudyErro
     let wrong = |message: String| StudyError::from(FileError::content(&file, None, message));
     let value: Value =
         serde_json::from_str(&text).map_err(|e| FileError::content(&file, Some(e.line()), e.to_string()))?;
+    if !value.is_object() {
+        let found = match &value {
+            Value::Array(_) => "a list",
+            Value::Null => "null",
+            Value::Bool(_) => "true or false",
+            Value::Number(_) => "a number",
+            _ => "a text",
+        };
+        let expected = "expected a result of `design`, or an object with a, b, c, d, inputs, outputs";
+        return Err(wrong(format!("{expected}, found {found}")));
+    }
     let own = if value.get("schema_version").is_some() {
         let text_of = |key: &str| value.get(key).and_then(Value::as_str).unwrap_or("none").to_owned();
         if value["schema_version"] != super::SCHEMA_VERSION || text_of("command") != "design" {

@@ -75,9 +75,10 @@ pub fn design(spec: &DesignSpec) -> Result<(DesignOutcome, Vec<Input>), StudyErr
     let goal = problem
         .weighted()
         .map_err(|e| StudyError::Design { name: spec.vehicle.clone(), source: Box::new(e.into()) })?;
-    if problem.has_objective() {
+    if problem.has_objective() && outcome.passive.stable {
         outcome.objective.insert("passive", objective(&problem, &outcome.passive));
     }
+    outcome.notes.extend(design_warnings::unstable_passive(&outcome.passive));
     let found = match spec.method {
         DesignMethod::Lqg => by_lqg(&problem, &goal, &mut outcome),
         DesignMethod::Interpolation => design_interpolation::by_interpolation(&problem, &mut outcome),
@@ -129,7 +130,7 @@ pub fn design(spec: &DesignSpec) -> Result<(DesignOutcome, Vec<Input>), StudyErr
         let shares = measured.and_then(|m| m.beyond_band.as_ref());
         outcome.notes.extend(shares.and_then(|b| continued(b, &outputs, whose)));
     }
-    outcome.gains = problem.gains(kept)?;
+    outcome.gains = problem.gains(outcome.passive.stable, kept)?;
     let also = fleet.and_then(|f| f.input);
     Ok((outcome, problem.inputs.into_iter().chain(also).collect()))
 }
@@ -188,7 +189,7 @@ fn finish(
     }
     let (before, after) = (outcome.objective.get("passive"), outcome.objective.get("verified"));
     if let (Some(before), Some(after)) = (before, after)
-        && after > before
+        && *after > (1.0 + design_warnings::ALIKE) * before
     {
         let why = if problem.spec.method.takes_bounds() {
             "bounds, poles or noise ask for that, or the promise is far above what is so"
@@ -197,6 +198,9 @@ fn finish(
         };
         let text = format!("the goal itself is worse than passive ({after:.4} against {before:.4}): {why}");
         outcome.warnings.push(Flag { name: "worse-goal".into(), text });
+    }
+    if problem.spec.method == DesignMethod::FixedOrder {
+        outcome.notes.extend(design_warnings::no_better(k, &outcome.objective));
     }
     for (name, rms) in measured.rms.iter().filter(|(name, _)| name.starts_with("actuator_force")) {
         outcome.forces.insert(name, *rms);

@@ -18,6 +18,7 @@ impl Fleet {
     /// A vehicle that has no norms.
     pub fn confirm(&self, k: &StateSpace<Continuous>, outcome: &mut DesignOutcome) -> Result<(), StudyError> {
         let mut worst = f64::NEG_INFINITY;
+        let mut worst_passive = None;
         for (number, member) in self.members.iter().enumerate() {
             let p = &member.problem;
             let closed = match p.measure(Some(k)) {
@@ -33,12 +34,18 @@ impl Fleet {
                 return Ok(());
             }
             let value = super::design::objective(p, &closed);
+            let is_worst = value > worst;
             worst = worst.max(value);
             if self.is_many() {
                 let passive = p.measure(None)?;
                 let mut objective = Named::default();
                 if p.has_objective() {
-                    objective.insert("passive", super::design::objective(p, &passive));
+                    // none of a vehicle that is not stable without control
+                    let before = passive.stable.then(|| super::design::objective(p, &passive));
+                    if let Some(before) = before {
+                        objective.insert("passive", before);
+                    }
+                    worst_passive = if is_worst { before } else { worst_passive };
                     objective.insert("closed", value);
                 }
                 let at = member.at.clone();
@@ -59,6 +66,9 @@ impl Fleet {
                 let found = format!("the goal is claimed to be {claimed} and recomputed as {worst}");
                 refuse(refused(&Named::default(), &found), outcome);
             } else if self.is_many() {
+                if let Some(passive) = worst_passive {
+                    outcome.objective.insert("worst_passive", passive);
+                }
                 outcome.objective.insert("worst", worst);
             }
         }

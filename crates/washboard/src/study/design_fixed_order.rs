@@ -1,18 +1,19 @@
 //! `method = "fixed-order"`: from a design's words to goals and bounds of one or several vehicles, and what the search says.
 
+use super::design_fixed_active::clusters;
+use super::design_fixed_member::Member;
 use super::design_fixed_outcome::{FixedOrderOutcome, FixedOrderTarget, Stationarity, TargetAim, TargetNorm};
 use super::design_fixed_search::{is_bound, searched};
 use super::design_fixed_starts::{given, invariant_frequencies, regulators};
 use super::design_fixed_structure::structure;
 use super::design_fixed_words::{not_met, not_stabilised, refused};
-use super::design_gains::{fast_controller, fastest, largest_gain};
+use super::design_gains::{fast_controller, fastest, high_dynamic_gain, largest_gain};
 use super::design_methods::Found;
-use super::design_mixed::minimal;
 use super::design_outcome::{DesignOutcome, DesignStatus};
-use super::design_problem::{GoalBlock, Norm, PeakBlock, Problem};
-use super::design_robust::{named_fields, wrong_fields};
+use super::design_problem::{GoalBlock, Problem};
+use super::design_robust::named_fields;
 use super::design_words::short;
-use super::{Input, Named, StudyError};
+use super::{Flag, Input, Named, StudyError};
 use crate::lti::{Continuous, GeneralizedPlant, LtiError, StateSpace};
 use crate::synthesis::{
     Aim, Channel, FixedOrder, FixedOrderDesign, FixedOrderEnd, Measure, PointwiseBound, Structure,
@@ -26,14 +27,8 @@ const CLEAR: f64 = 1e-6;
 /// No gap is told to a lower bound below this: goals of a share of the passive norm are larger.
 const NEXT_TO_0: f64 = 1e-6;
 
-/// One of the vehicles that a controller is for.
-pub(super) struct Member {
-    /// Its goal, over its own passive norms.
-    pub problem: Problem,
-    pub at: Named<f64>,
-    /// Without modes that no signal shows.
-    plant: GeneralizedPlant,
-}
+/// A steeper descent around the result than this, of ln goal, is worth a warning.
+const STEEP: f64 = 1.0;
 
 /// What a target is in the design's words.
 pub(super) struct About {
@@ -73,7 +68,11 @@ impl Fleet {
         } else {
             spec.plant.iter().map(named_fields).collect()
         };
-        let members = bases.into_iter().map(|f| Member::new(problem, f)).collect::<Result<Vec<_>, _>>()?;
+        let members = bases
+            .into_iter()
+            .enumerate()
+            .map(|(k, fields)| Member::new(problem, fields, k + 1))
+            .collect::<Result<Vec<_>, _>>()?;
         let (start, input) = given(problem)?.unzip();
         let (targets, about) = members.iter().enumerate().flat_map(|(k, m)| targets(&m.problem, k)).unzip();
         Ok(Fleet { members, structure, start, input, targets, about })
@@ -81,52 +80,6 @@ impl Fleet {
 
     pub fn is_many(&self) -> bool {
         self.members.len() > 1 || self.members.iter().any(|m| !m.at.is_empty())
-    }
-}
-
-impl Member {
-    fn new(problem: &Problem, fields: Vec<(String, f64)>) -> Result<Self, StudyError> {
-        let at: Named<f64> = fields.iter().cloned().collect();
-        let own = problem.at(&fields).map_err(|e| match e {
-            StudyError::Vehicle { source, .. } if !fields.is_empty() => {
-                wrong_fields("plant", &at, &source.to_string())
-            }
-            other => other,
-        })?;
-        let own = if fields.is_empty() || !problem.spec.normalize_at.is_empty() {
-            own
-        } else {
-            own.over_its_own(&at)?
-        };
-        let plant = minimal(own.plant.clone()).map_err(|e| fail(problem, e))?;
-        Ok(Member { problem: own, at, plant })
-    }
-}
-
-pub(super) fn fail(problem: &Problem, e: LtiError) -> StudyError {
-    StudyError::Design { name: problem.spec.vehicle.clone(), source: Box::new(e.into()) }
-}
-
-impl Problem {
-    /// The same goal over this vehicle's own passive norms.
-    fn over_its_own(self, at: &Named<f64>) -> Result<Problem, StudyError> {
-        let passive = self.plant.passive();
-        let of = |g: &GoalBlock, norm: Norm| -> Result<GoalBlock, StudyError> {
-            let found = norm.of(&passive, &g.members).map_err(|e| fail(&self, e))?;
-            if !(found > 0.0 && found.is_finite()) {
-                return Err(wrong_fields(
-                    "plant",
-                    at,
-                    &format!("`{}` has a passive norm of {found}", g.name),
-                ));
-            }
-            Ok(GoalBlock { passive: found, ..g.clone() })
-        };
-        let goals = self.goals.iter().map(|g| of(g, Norm::H2)).collect::<Result<Vec<_>, _>>()?;
-        let bounded = self.bounded.iter().map(|g| of(g, Norm::H2)).collect::<Result<Vec<_>, _>>()?;
-        let peak = |p: &PeakBlock| Ok(PeakBlock { block: of(&p.block, Norm::Hinf)?, bound: p.bound });
-        let peaks = self.peaks.iter().map(peak).collect::<Result<Vec<_>, StudyError>>()?;
-        Ok(Problem { goals, bounded, peaks, ..self })
     }
 }
 
@@ -223,7 +176,20 @@ pub(super) fn by_fixed_order(problem: &Problem, fleet: &Fleet, outcome: &mut Des
     }
     fleet.claim(&design, found, outcome);
     outcome.warnings.extend(fast_controller(problem, &outcome.passive, found));
+    outcome.warnings.extend(high_dynamic_gain(problem, &design.controller));
+    outcome.warnings.extend(not_optimal(outcome.fixed_order.as_ref()));
     Ok(Some(design.controller))
+}
+
+/// A warning where the gradients around the result tell of a better one.
+fn not_optimal(f: Option<&FixedOrderOutcome>) -> Option<Flag> {
+    let found = f?.stationarity.filter(|s| s.distance > STEEP)?;
+    let text = format!(
+        "the search did not end at a local optimum (the gradients of ln goal around it leave a descent of {}, where 0 is an optimum): \
+         another seed (fixed-order.seed), more starts (fixed-order.tries) or more steps (fixed-order.iterations) may find better",
+        short(found.distance)
+    );
+    Some(Flag { name: "not-optimal".into(), text })
 }
 
 impl Fleet {
@@ -236,10 +202,17 @@ impl Fleet {
         CLEAR * self.members.iter().map(fastest).fold(0.0, f64::max)
     }
 
+    /// |λ| of the vehicles' slowest pole.
+    fn slowest(&self) -> f64 {
+        let poles = self.members.iter().flat_map(|m| m.plant.system().poles().unwrap_or_default());
+        poles.map(|p| p.norm()).filter(|size| *size > 0.0).fold(f64::INFINITY, f64::min)
+    }
+
     fn evidence(&self, d: &FixedOrderDesign) -> FixedOrderOutcome {
         // where bounds are not met, only these may have been looked at
         let known = |t: &Target| d.values.len() == self.targets.len() || is_bound(t);
         let own = self.targets.iter().zip(&self.about).filter(|(t, _)| known(t));
+        let slowest = self.slowest();
         let of = |((t, a), v): ((&Target, &About), &TargetValue)| FixedOrderTarget {
             name: a.name.clone(),
             vehicle: self.is_many().then_some(t.plant + 1),
@@ -251,7 +224,7 @@ impl Fleet {
             at_hz: v.omega_rad_s.filter(|w| w.is_finite()).map(hz),
             // never −0
             multiplier: v.multiplier + 0.0,
-            active_hz: v.active_rad_s.iter().filter(|w| w.is_finite()).map(|w| hz(*w)).collect(),
+            active_hz: clusters(&v.active_rad_s, v.omega_rad_s, slowest).into_iter().map(hz).collect(),
         };
         let counts = [
             ("loops", d.work.loops),

@@ -1,6 +1,7 @@
 //! A fixed-order search as rows: goals and bounds with what holds the optimum, and what was done.
 
-use super::design_fixed_outcome::{FixedOrderTarget, TargetAim, TargetNorm};
+use super::design_fixed_outcome::{FixedOrderTarget, Stationarity, TargetAim, TargetNorm};
+use super::design_fixed_spec::StructureKind;
 use super::design_outcome::DesignOutcome;
 use super::design_words::short;
 
@@ -43,7 +44,34 @@ fn peaks(active_hz: &[f64]) -> String {
     all.join(", ") + &more
 }
 
+/// Below this the descent that is left is that of a local optimum and its rounding.
+const AT_OPTIMUM: f64 = 1e-2;
+/// Above this it is not next to one.
+const NEAR_OPTIMUM: f64 = 1.0;
+
+impl Stationarity {
+    /// In words: what a step within the ball gains at least, distance × radius of ln goal.
+    fn words(&self) -> String {
+        let gain = short(100.0 * self.distance * self.radius);
+        match self.distance {
+            d if d < AT_OPTIMUM => format!("yes (descent left {})", short(d)),
+            d if d <= NEAR_OPTIMUM => {
+                format!("nearly (descent left {}: a small step may gain {gain} %)", short(d))
+            }
+            d => format!("no (descent left {}: a small step may gain {gain} %)", short(d)),
+        }
+    }
+}
+
 impl DesignOutcome {
+    /// What is said of a controller whose gain has no bound.
+    fn endless_gain(&self) -> Option<&'static str> {
+        let bounded = self.claimed.get("controller_gain").is_some();
+        self.controller.as_ref().filter(|_| !bounded)?;
+        let integrates = self.design.structure_kind() == Some(StructureKind::Pid);
+        Some(if integrates { "infinite at 0 Hz (integrator)" } else { "infinite (a pole on the axis)" })
+    }
+
     /// Goals and bounds of a fixed-order design.
     #[must_use]
     pub fn target_rows(&self) -> Vec<TargetRow> {
@@ -80,14 +108,15 @@ impl DesignOutcome {
         let count = |name: &str| f.work.get(name).map(usize::to_string);
         let at = f.lower_bound_hz.map_or_else(String::new, |w| format!(" (at {} Hz)", short(w)));
         more("no controller of any order has a goal below", f.lower_bound.map(|b| format!("{b:.5}{at}")));
-        more("the goal is above that by, %", f.gap.map(|g| short(100.0 * g)));
+        more("the goal is above that by", f.gap.map(|g| format!("{:+.4} %", 100.0 * g)));
         more(
             "no controller at all is below, as a share of its bounds",
             f.impossible.map(|b| format!("{b:.5}{at}")),
         );
         more("least largest real part of a pole, rad/s", f.abscissa_rad_s.map(short));
-        more("no model promised more (converged)", (!f.targets.is_empty()).then(|| yes(f.converged)));
-        more("steepest descent of the gradients around it", f.stationarity.map(|s| short(s.distance)));
+        more("ended by itself, not by its limit of steps", (!f.targets.is_empty()).then(|| yes(f.converged)));
+        more("a local optimum", f.stationarity.filter(|_| self.controller.is_some()).map(|s| s.words()));
+        more("the controller's largest gain", self.endless_gain().map(str::to_owned));
         more("largest excess of a bound, %", f.violation.map(|v| short(100.0 * v)));
         more("loops closed", count("loops"));
         more("factorisations at a frequency", count("factorisations"));

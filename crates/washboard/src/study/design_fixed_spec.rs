@@ -1,5 +1,6 @@
 //! What `method = "fixed-order"` is told: the controller's structure, where the search begins and how long it looks.
 
+use super::design_goal::plain;
 use super::design_pairs::MOST_ORDER;
 use super::{DesignMethod, DesignSpec, StudyError};
 use crate::synthesis::FixedOrderSettings;
@@ -8,9 +9,14 @@ use serde::{Deserialize, Serialize};
 /// Controller poles are at most this where nothing is said, rad/s: beyond it searches drift to improper controllers.
 pub(super) const MAX_POLE_RAD_S: f64 = 5e3;
 /// Numbers that a JSON file holds exactly.
-const MOST_SEED: u64 = 1 << 53;
-const MOST_TRIES: usize = 10_000;
-const MOST_ITERATIONS: usize = 100_000;
+pub(super) const MOST_SEED: u64 = 1 << 53;
+pub(super) const MOST_TRIES: usize = 10_000;
+pub(super) const MOST_ITERATIONS: usize = 100_000;
+
+/// A filter of a derivative that is slower is none.
+const MOST_FILTER_S: f64 = 1e3;
+/// Limits of gains and poles below this are none that a search can tell from 0.
+const LEAST_LIMIT: f64 = 1e-9;
 
 /// Which entries of the controller are free: a word, or rows of \[A_K, B_K; C_K, D_K\].
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -76,10 +82,13 @@ pub struct LocalSection {
 #[serde(deny_unknown_fields, default)]
 pub struct FixedOrderSection {
     /// Random starts.
+    #[serde(deserialize_with = "super::design_pairs::tries")]
     pub tries: usize,
     /// Of their numbers.
+    #[serde(deserialize_with = "super::design_pairs::seed")]
     pub seed: u64,
     /// Steps of a search at most.
+    #[serde(deserialize_with = "super::design_pairs::iterations")]
     pub iterations: usize,
     /// A relative gain below this is none.
     pub tolerance: f64,
@@ -156,11 +165,20 @@ impl DesignSpec {
                 None => Ok(()),
             };
         }
+        for (field, value) in
+            [("goal.max_pole_rad_s", self.goal.max_pole_rad_s), ("goal.max_gain", self.goal.max_gain)]
+        {
+            if let Some(found) = value.filter(|v| !(*v >= LEAST_LIMIT && v.is_finite())) {
+                let expected = format!("a finite number from {LEAST_LIMIT:e}");
+                return Err(setting(field, expected, plain(found)));
+            }
+        }
         self.check_structure()?;
         self.check_poles()?;
+        self.check_locals()?;
         if self.input_weight > 0.0 && !self.goal.minimize_h2.iter().any(|(_, w)| *w > 0.0) {
             let expected = "0, or outputs in goal.minimize_h2: rho u^2 is a part of its sum; goal.max_gain bounds the controller itself";
-            return Err(setting("input_weight", expected, super::design_goal::plain(self.input_weight)));
+            return Err(setting("input_weight", expected, plain(self.input_weight)));
         }
         let s = self.fixed_order.unwrap_or_default();
         if s.tries > MOST_TRIES {
@@ -174,7 +192,7 @@ impl DesignSpec {
             return Err(setting("fixed-order.iterations", format!("1 to {MOST_ITERATIONS}"), found));
         }
         if !((1e-12..=0.1).contains(&s.tolerance)) {
-            return Err(setting("fixed-order.tolerance", "1e-12 to 0.1", s.tolerance.to_string()));
+            return Err(setting("fixed-order.tolerance", "1e-12 to 0.1", plain(s.tolerance)));
         }
         Ok(())
     }
@@ -187,14 +205,16 @@ impl DesignSpec {
             Some(_) if !is_pid => {
                 return Err(setting("pid_filter_s", "nothing without structure = \"pid\"", "a value"));
             }
-            Some(t) if !(t > 0.0 && t.is_finite()) => {
-                return Err(setting("pid_filter_s", "a positive, finite number of seconds", t.to_string()));
+            Some(t) if !(t > 0.0 && t <= MOST_FILTER_S) => {
+                let expected = format!("a positive number of seconds, up to {MOST_FILTER_S}");
+                return Err(setting("pid_filter_s", expected, plain(t)));
             }
             Some(t) if 1.0 / t > self.max_pole_rad_s() => {
                 let most = self.max_pole_rad_s();
                 let expected = format!(
-                    "{:e} s or more: its pole at 1/pid_filter_s is kept within goal.max_pole_rad_s = {most}",
-                    1.0 / most
+                    "{:e} s or more: its pole at 1/pid_filter_s is kept within goal.max_pole_rad_s = {}",
+                    1.0 / most,
+                    plain(most)
                 );
                 return Err(setting("pid_filter_s", expected, format!("{t:e}")));
             }
@@ -224,6 +244,31 @@ impl DesignSpec {
         Ok(())
     }
 
+    /// Parts that see nothing or drive nothing, or that see or drive the same twice.
+    fn check_locals(&self) -> Result<(), StudyError> {
+        for (k, part) in self.local.iter().enumerate() {
+            for (field, names) in
+                [("local.measurements", &part.measurements), ("local.actuators", &part.actuators)]
+            {
+                if names.is_empty() {
+                    let expected = "at least one name in each [[local]]";
+                    return Err(setting(field, expected, format!("none in number {}", k + 1)));
+                }
+                if let Some(twice) =
+                    names.iter().enumerate().find(|(i, n)| names[..*i].contains(n)).map(|(_, n)| n)
+                {
+                    let found = format!("`{twice}` twice in number {}", k + 1);
+                    return Err(setting(field, "each name once in a [[local]]", found));
+                }
+            }
+        }
+        if self.start.as_deref() == Some("") {
+            let expected = "a design's directory or result.json, or a controller's file";
+            return Err(setting("start", expected, "nothing"));
+        }
+        Ok(())
+    }
+
     fn check_poles(&self) -> Result<(), StudyError> {
         let p = self.poles.unwrap_or_default();
         let others = [
@@ -233,6 +278,14 @@ impl DesignSpec {
             ("poles.rectangle_rad_s", p.rectangle_rad_s),
             ("poles.min_damping", p.min_damping),
         ];
+        let most = self.max_pole_rad_s();
+        if let Some(found) = p.max_real_rad_s.filter(|v| *v < -most) {
+            let expected = format!(
+                "0 down to {}: loops faster than the controller may be (goal.max_pole_rad_s) are not searched",
+                plain(-most)
+            );
+            return Err(setting("poles.max_real_rad_s", expected, plain(found)));
+        }
         match others.iter().find(|(_, v)| v.is_some()) {
             Some((field, _)) => {
                 let expected = "nothing with method fixed-order: of the loop's poles it has max_real_rad_s alone, of the controller's \

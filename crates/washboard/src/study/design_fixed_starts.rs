@@ -69,7 +69,12 @@ fn regulator(
 /// A file that has none, signals that are not the design's.
 pub(super) fn given(problem: &Problem) -> Result<Option<(StateSpace<Continuous>, Input)>, StudyError> {
     let Some(path) = &problem.spec.start else { return Ok(None) };
-    let (file, input) = read_controller(Path::new(path))?;
+    // whatever is wrong with it, `start` is where it stands
+    let (file, input) = read_controller(Path::new(path)).map_err(|e| StudyError::Setting {
+        field: "start",
+        expected: "a design's directory or result.json, or a controller's file".into(),
+        found: e.to_string(),
+    })?;
     let fail = |e: LtiError| StudyError::Design { name: path.clone(), source: Box::new(e.into()) };
     let places = |what: &str, wanted: Vec<&str>, found: &[String]| -> Result<Vec<usize>, StudyError> {
         let at: Option<Vec<usize>> = wanted.iter().map(|n| found.iter().position(|f| f == n)).collect();

@@ -1,9 +1,9 @@
 //! The structure of a fixed-order design's controller, for the measurements and actuators of its plant.
 
 use super::StudyError;
-use super::design_fixed_order::fail;
+use super::design_fixed_member::fail;
 use super::design_fixed_spec::{FreeEntry, LocalSection, StructureEntry, StructureKind, StructureSpec};
-use super::design_outputs::outputs;
+use super::design_outputs::{once, outputs};
 use super::design_problem::Problem;
 use crate::lti::LtiError;
 use crate::synthesis::{Entry, Local, Structure};
@@ -38,7 +38,8 @@ pub(super) fn structure(problem: &Problem) -> Result<Structure, StudyError> {
         };
         let entries: Vec<Entry> = rows.iter().flatten().map(entry).collect();
         if !entries.contains(&Entry::Free) {
-            return Err(wrong("structure", "an entry that is \"free\"".into(), "numbers alone".into()));
+            let expected = "an entry that is \"free\" (a controller of numbers alone is not designed: ride and respond take it, --controller FILE)";
+            return Err(wrong("structure", expected.into(), "numbers alone".into()));
         }
         if let Some(Entry::Fixed(v)) = entries.iter().find(|e| matches!(e, Entry::Fixed(v) if !v.is_finite()))
         {
@@ -91,6 +92,7 @@ pub(super) fn structure(problem: &Problem) -> Result<Structure, StudyError> {
 /// A part of a decentralised controller, by numbers.
 fn local(problem: &Problem, of: &LocalSection) -> Result<Local, StudyError> {
     let all = outputs(&problem.vehicle, &of.measurements, "local.measurements")?;
+    once(&problem.vehicle, &of.measurements, "local.measurements")?;
     let measurements = all.iter().map(|o| {
         problem.measurements.iter().position(|m| m == o).ok_or_else(|| StudyError::Setting {
             field: "local.measurements",

@@ -10,6 +10,9 @@ use crate::lti::{Continuous, LtiError, StateSpace};
 /// A controller whose poles are so many times the fastest of the vehicle, or whose gain is so many times its springs and
 /// dampers, is worth a warning.
 const FAST: f64 = 100.0;
+/// The same of a dynamic controller's largest gain over frequency, which is far above its gain at a ride's frequencies or not: a
+/// spring ten times as stiff as the stiffest of the vehicle, tires included, is none.
+const STRONG: f64 = 10.0;
 /// Frequencies at which an unstable controller's gain is looked at, beside its poles', 0 and ∞.
 const POINTS: usize = 400;
 /// Powers of ten of the usual weight of the control that are tried for a smaller gain.
@@ -65,6 +68,42 @@ pub(super) fn fast_controller(problem: &Problem, passive: &Measured, found: [f64
         short(found[1])
     );
     Some(Flag { name: "fast-controller".into(), text })
+}
+
+/// A warning of a dynamic controller whose largest gain from a measurement is far above what the vehicle's own springs (of
+/// travels), dampers (of velocities) or masses (of accelerations) do.
+pub(super) fn high_dynamic_gain(problem: &Problem, k: &StateSpace<Continuous>) -> Option<Flag> {
+    let system = problem.vehicle.system();
+    let (spring, mass) = (system.k().norm_max(), system.m().norm_max());
+    let damper = system.c().norm_max().max((spring * mass).sqrt());
+    let controls: Vec<usize> = (0..k.outputs()).collect();
+    let all = problem.measurements.iter().enumerate().filter_map(|(j, o)| {
+        let gain = largest_gain(&k.select(&controls, &[j]).ok()?).ok()?;
+        let (own, what) = if o.unit.ends_with("/s²") {
+            (mass, "masses")
+        } else if o.unit.ends_with("/s") {
+            (damper, "dampers")
+        } else {
+            (spring, "springs")
+        };
+        // a force is no motion
+        (o.unit != "N").then_some((gain / own, gain, own, what, o))
+    });
+    let (times, gain, own, what, o) = all.max_by(|a, b| a.0.total_cmp(&b.0))?;
+    (times > STRONG && own > 0.0).then(|| {
+        let text = format!(
+            "the largest gain of {} over frequency is {} N per {}, {} times the vehicle's largest of its own {what} ({} N per {}): \
+             no actuator does that; bound it, goal.max_gain = {}",
+            o.name,
+            short(gain),
+            o.unit,
+            short(times),
+            short(own),
+            o.unit,
+            short(own)
+        );
+        Flag { name: "high-gain".into(), text }
+    })
 }
 
 /// A warning of a gain from states that is far above the vehicle's own springs (of travels) and dampers (of velocities: the

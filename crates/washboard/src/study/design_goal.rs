@@ -43,6 +43,31 @@ pub struct Goal {
     pub max_gain: Option<f64>,
 }
 
+impl Goal {
+    /// Its lists of outputs with weights or bounds, by their names in a file.
+    pub(super) fn lists(&self) -> [(&'static str, &Named<f64>); 6] {
+        [
+            ("goal.minimize", &self.minimize),
+            ("goal.minimize_h2", &self.minimize_h2),
+            ("goal.minimize_hinf", &self.minimize_hinf),
+            ("goal.bound", &self.bound),
+            ("goal.bound_hinf", &self.bound_hinf),
+            ("goal.bound_h2", &self.bound_h2),
+        ]
+    }
+
+    /// The first list that an output, a stacked name or a group stands in, by itself or in a group.
+    pub(super) fn field_of(&self, name: &str) -> &'static str {
+        let is_it = |listed: &str| {
+            let group = self.groups.get(listed);
+            listed == name || group.is_some_and(|g| g.iter().any(|m| m == name))
+        };
+        let lists = self.lists();
+        let own = lists.iter().find(|(_, list)| list.iter().any(|(n, _)| is_it(n)));
+        own.map_or("goal.minimize", |(field, _)| *field)
+    }
+}
+
 /// An H∞ norm that is minimised (a weight above 0), bounded, or both.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct HinfPart {
@@ -94,11 +119,12 @@ impl DesignSpec {
             (true, true) => return Err(setting("goal.minimize", "outputs and their weights", "none".into())),
             (false, false) => return Err(setting(own_name, "either this or goal.minimize", "both".into())),
         };
-        at_least_zero("goal.minimize", weights)?;
+        let field = if g.minimize.is_empty() { own_name } else { "goal.minimize" };
+        at_least_zero(field, weights)?;
         let may_be_none = mixes && weights.is_empty();
         if !may_be_none && weights.iter().all(|(_, w)| *w == 0.0) {
             let zeros = if weights.is_empty() { "none" } else { "zeros" };
-            return Err(setting("goal.minimize", "a weight above 0", zeros.into()));
+            return Err(setting(field, "a weight above 0", zeros.into()));
         }
         Ok(weights.clone())
     }

@@ -2,6 +2,7 @@
 
 use super::beyond_band::{BeyondBand, beyond};
 use super::design_outcome::{Gains, Measured};
+use super::design_outputs::swings;
 use super::design_problem::Problem;
 use super::{Infinite, Named, Rms, StudyError};
 use crate::linalg::{C64, CMat};
@@ -30,6 +31,10 @@ impl Problem {
             stable: closed.is_stable().map_err(design)?,
             ..Measured::default()
         };
+        if controller.is_none() {
+            let poles: Vec<C64> = measured.poles.iter().map(|p| C64::new(p[0], p[1])).collect();
+            measured.stable &= swings(&poles).is_none();
+        }
         measured.poles.sort_by(|a, b| a[0].hypot(a[1]).total_cmp(&b[0].hypot(b[1])));
         if !measured.stable {
             return Ok(measured);
@@ -48,7 +53,9 @@ impl Problem {
             let at = peak.omega_rad_s;
             measured.h2.insert(&name, if still { Rms::Finite(0.0) } else { h2 });
             measured.hinf.insert(&name, if still { 0.0 } else { peak.norm });
-            measured.hinf_at_rad_s.insert(&name, (at.is_finite() && !still).then_some(at));
+            // what stands still does so everywhere; the others may have their largest gain at infinity
+            let at = if still { 0.0 } else { at };
+            measured.hinf_at_rad_s.insert(&name, Some(at).filter(|w| w.is_finite()));
         }
         (measured.rms, measured.beyond_band) = self.rms(controller)?;
         Ok(measured)
@@ -85,8 +92,12 @@ impl Problem {
         Ok((blocks.collect(), beyond))
     }
 
-    /// Gains over frequency.
-    pub fn gains(&self, controller: Option<&StateSpace<Continuous>>) -> Result<Gains, StudyError> {
+    /// Gains over frequency; a vehicle that is not stable without control has none.
+    pub fn gains(
+        &self,
+        passive_is_stable: bool,
+        controller: Option<&StateSpace<Continuous>>,
+    ) -> Result<Gains, StudyError> {
         let design =
             |e: LtiError| StudyError::Design { name: self.spec.vehicle.clone(), source: Box::new(e.into()) };
         let step = (GAINS_HZ[1] / GAINS_HZ[0]).ln() / (POINTS - 1) as f64;
@@ -110,7 +121,7 @@ impl Problem {
             });
             Ok(own.collect())
         };
-        let passive = of(&self.plant.passive())?;
+        let passive = if passive_is_stable { of(&self.plant.passive())? } else { Named::default() };
         let closed = match controller {
             Some(k) => of(&self.plant.close(k).map_err(design)?)?,
             None => Named::default(),

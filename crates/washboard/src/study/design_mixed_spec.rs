@@ -136,7 +136,7 @@ impl PolesSection {
         }
         if let Some(found) = self.max_real_rad_s.filter(|v| !(*v <= 0.0 && v.is_finite())) {
             let expected = "a finite number, not positive: the loop is to be stable";
-            return Err(setting("poles.max_real_rad_s", expected, found.to_string()));
+            return Err(setting("poles.max_real_rad_s", expected, super::design_goal::plain(found)));
         }
         if let Some(found) = self.min_damping.filter(|v| !(*v > 0.0 && *v < 1.0)) {
             let expected = "a ratio between 0 and 1, both left out (0.7 is a usual one; 1 asks for real poles only, which no open region holds)";
@@ -251,7 +251,7 @@ impl DesignSpec {
         }
         for (field, value) in [("goal.max_pole_rad_s", g.max_pole_rad_s), ("goal.max_gain", g.max_gain)] {
             if let Some(found) = value.filter(|v| !(*v > 0.0 && v.is_finite())) {
-                return Err(setting(field, "a positive, finite number", found.to_string()));
+                return Err(setting(field, "a positive, finite number", super::design_goal::plain(found)));
             }
         }
         above_zero("goal.bound_h2", &g.bound_h2)?;

@@ -176,6 +176,7 @@ impl ControllerFile {
     /// Rows that do not make matrices that fit each other and the names; numbers that are not finite.
     pub fn state_space(&self) -> Result<StateSpace<Continuous>, LtiError> {
         let (n, m, p) = (self.a.len(), self.inputs.len(), self.outputs.len());
+        let no_states = vec![Vec::new(); p];
         let matrix = |name: &'static str, rows: &[Vec<f64>], expected: (usize, usize)| {
             let found = rows.iter().find(|r| r.len() != expected.1).map_or(expected.1, Vec::len);
             if rows.len() != expected.0 || found != expected.1 {
@@ -186,7 +187,8 @@ impl ControllerFile {
         StateSpace::continuous(
             matrix("controller.a", &self.a, (n, n))?,
             matrix("controller.b", &self.b, (n, m))?,
-            matrix("controller.c", &self.c, (p, n))?,
+            // of a gain there is nothing in a row, and so there may be no rows
+            matrix("controller.c", if n == 0 && self.c.is_empty() { &no_states } else { &self.c }, (p, n))?,
             matrix("controller.d", &self.d, (p, m))?,
         )
     }

@@ -1,10 +1,11 @@
 //! Names of outputs as a design file has them: which outputs they mean, and which can be designed for.
 
 use super::design_words::short;
-use super::{DesignDisturbance, DesignSpec, StudyError};
+use super::{DesignDisturbance, DesignMethod, DesignSpec, StudyError};
 use crate::linalg::{C64, eigen};
 use crate::lti::GeneralizedPlant;
 use crate::vehicle::{Output, Vehicle, VehicleSpec};
+use std::fmt;
 
 /// What a suspension engineer looks at; displacements follow the road and say little.
 pub(super) fn shown(output: &Output) -> bool {
@@ -28,7 +29,8 @@ pub(super) fn outputs(
             vehicle.outputs().iter().filter(|o| o.name == *name || o.base == *name).collect();
         if members.is_empty() {
             let known = vehicle.outputs().iter().flat_map(|o| [o.name.as_str(), o.base.as_str()]);
-            let near = crate::files::nearest(name, known)
+            let near = with_all_words(name, known.clone())
+                .or_else(|| crate::files::nearest(name, known))
                 .map_or_else(String::new, |n| format!(" (did you mean `{n}`?)"));
             return Err(StudyError::Setting {
                 field,
@@ -45,8 +47,14 @@ pub(super) fn outputs(
     Ok(found)
 }
 
+/// The shortest name that has all words of another one: `driver_heave_acceleration` of `driver_acceleration`.
+fn with_all_words<'a>(name: &str, known: impl Iterator<Item = &'a str>) -> Option<&'a str> {
+    let has_all = |k: &&str| name.split('_').all(|word| k.split('_').any(|w| w == word));
+    known.filter(|_| name.contains('_')).filter(has_all).min_by_key(|k| k.len())
+}
+
 /// Refuses a measurement that is asked for twice, by itself or in a stacked vector: one sensor would count for two.
-pub(super) fn once(vehicle: &Vehicle, names: &[String]) -> Result<(), StudyError> {
+pub(super) fn once(vehicle: &Vehicle, names: &[String], field: &'static str) -> Result<(), StudyError> {
     for output in vehicle.outputs() {
         let asking: Vec<&String> =
             names.iter().filter(|n| **n == output.name || **n == output.base).collect();
@@ -57,7 +65,7 @@ pub(super) fn once(vehicle: &Vehicle, names: &[String]) -> Result<(), StudyError
                 format!("`{}` twice: in `{first}` and in `{second}`", output.name)
             };
             let expected = "each output once".to_owned();
-            return Err(StudyError::Setting { field: "measurements", expected, found });
+            return Err(StudyError::Setting { field, expected, found });
         }
     }
     Ok(())
@@ -75,18 +83,96 @@ pub(super) fn no_own_output(measurements: &[Output]) -> Result<(), StudyError> {
     })
 }
 
-/// Refuses a passive vehicle with a mode that swings on: its norms, over which goals are, are infinite.
-pub(super) fn damped(vehicle: &Vehicle, file: &VehicleSpec) -> Result<(), StudyError> {
-    const UNDAMPED: f64 = 1e-10;
+/// A real part below this share of the largest pole is rounding.
+const UNDAMPED: f64 = 1e-10;
+/// A pole that is a double one but for rounding is spread by this share of the largest.
+const DOUBLE: f64 = 1e-7;
+
+/// A pole that swings on: on the axis but for rounding, and not at 0.
+pub(super) fn swings(poles: &[C64]) -> Option<C64> {
+    let largest = poles.iter().map(|p| p.norm()).fold(0.0, f64::max);
+    let on = |p: &&C64| p.re.abs() <= UNDAMPED * largest && p.im > UNDAMPED.sqrt() * largest;
+    poles.iter().find(on).copied()
+}
+
+/// Why a vehicle without control is not stable; none of one that is.
+fn unstable(vehicle: &Vehicle) -> Option<Lasting> {
     let poles =
         vehicle.system().state_matrix().ok().and_then(|a| Some(eigen(&a).ok()?.0)).unwrap_or_default();
+    not_decaying(&poles)
+}
+
+/// A pole that does not decay.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Lasting {
+    /// In the right half plane.
+    Grows(C64),
+    /// On the axis, at so many rad/s.
+    Swings(f64),
+    /// At 0.
+    Free,
+}
+
+impl fmt::Display for Lasting {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Lasting::Grows(p) if p.im == 0.0 => write!(f, "a pole at {} rad/s that grows", short(p.re)),
+            Lasting::Grows(p) => {
+                write!(f, "a pole at {} ± {}i rad/s that grows", short(p.re), short(p.im.abs()))
+            }
+            Lasting::Swings(omega) => write!(f, "a mode at {} rad/s that does not decay", short(*omega)),
+            Lasting::Free => write!(f, "a motion that no spring brings back (a pole at 0)"),
+        }
+    }
+}
+
+/// The pole that does not decay, if there is one.
+pub(super) fn not_decaying(poles: &[C64]) -> Option<Lasting> {
     let largest = poles.iter().map(|p| p.norm()).fold(0.0, f64::max);
-    let swings = |p: &&C64| p.re.abs() <= UNDAMPED * largest && p.im > UNDAMPED.sqrt() * largest;
-    let Some(pole) = poles.iter().find(swings) else { return Ok(()) };
-    let zeros: Vec<String> = file.undamped().iter().map(|f| format!("{f} = 0, ")).collect();
-    let found = format!("{}with a mode at {} rad/s that does not decay", zeros.concat(), short(pole.im));
-    let expected = "a passive vehicle that is damped: goals are over its norms".into();
-    Err(StudyError::Setting { field: "vehicle", expected, found })
+    let growing = poles.iter().filter(|p| p.re > DOUBLE * largest).max_by(|a, b| a.re.total_cmp(&b.re));
+    let free = poles.iter().any(|p| p.norm() <= DOUBLE.sqrt() * largest && p.re >= -DOUBLE * largest);
+    growing
+        .map(|p| Lasting::Grows(*p))
+        .or_else(|| swings(poles).map(|p| Lasting::Swings(p.im)))
+        .or_else(|| free.then_some(Lasting::Free))
+}
+
+/// Refuses a vehicle without control that is not stable: its norms, over which goals are, are infinite.
+pub(super) fn damped(
+    vehicle: &Vehicle,
+    file: Option<&VehicleSpec>,
+    method: DesignMethod,
+) -> Result<(), StudyError> {
+    let Some(what) = unstable(vehicle) else { return Ok(()) };
+    // without damping it swings; what grows has other reasons
+    let undamped = file.filter(|_| matches!(what, Lasting::Swings(_)));
+    let zeros: Vec<String> = undamped
+        .map(VehicleSpec::undamped)
+        .unwrap_or_default()
+        .iter()
+        .map(|f| format!("{f} = 0, "))
+        .collect();
+    let or = match (file, method) {
+        (Some(_), DesignMethod::FixedOrder) => "; or [normalize_at], fields with which it is",
+        _ => "",
+    };
+    Err(StudyError::Setting {
+        field: if file.is_some() { "vehicle" } else { "normalize_at" },
+        expected: format!("a passive vehicle that is damped and stable: goals are over its norms{or}"),
+        found: format!("{}with {what}", zeros.concat()),
+    })
+}
+
+/// Refuses a vehicle whose stiffness holds not all of its motions, where the equations need that.
+pub(super) fn held(vehicle: &Vehicle) -> Result<(), StudyError> {
+    match unstable(vehicle).filter(|what| *what == Lasting::Free) {
+        None => Ok(()),
+        Some(what) => Err(StudyError::Setting {
+            field: "vehicle",
+            expected: "springs that bring back every motion".into(),
+            found: what.to_string(),
+        }),
+    }
 }
 
 /// Refuses a goal with outputs that follow a road height without bound.
@@ -105,7 +191,7 @@ pub(super) fn settling(spec: &DesignSpec, wandering: &[&str]) -> Result<(), Stud
     };
     let expected = "outputs whose response dies away".to_owned();
     let found = format!("{}, {why}", quoted(wandering));
-    Err(StudyError::Setting { field: "goal.minimize", expected, found })
+    Err(StudyError::Setting { field: spec.goal.field_of(wandering[0]), expected, found })
 }
 
 /// Refuses a goal in the H2 norm with outputs that white noise reaches at once.
@@ -148,4 +234,34 @@ pub(super) fn finite(
 
 fn quoted(names: &[&str]) -> String {
     names.iter().map(|n| format!("`{n}`")).collect::<Vec<_>>().join(", ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn poles_that_do_not_decay_are_told_apart() {
+        let c = C64::new;
+        let of = |poles: &[C64]| not_decaying(poles);
+        assert_eq!(of(&[c(-1.0, 10.0), c(-1.0, -10.0), c(-1e-3, 0.0)]), None);
+        assert_eq!(of(&[c(2.0, 10.0), c(2.0, -10.0), c(3.0, 0.0)]), Some(Lasting::Grows(c(3.0, 0.0))));
+        // on the axis but for rounding, on either side
+        for rounding in [-1e-14, 1e-14] {
+            assert_eq!(
+                of(&[c(-5.0, 0.0), c(rounding, 10.0), c(rounding, -10.0)]),
+                Some(Lasting::Swings(10.0))
+            );
+        }
+        // a double pole at 0 is spread by the root of rounding
+        assert_eq!(of(&[c(-100.0, 0.0), c(1e-7, 0.0), c(-1e-7, 0.0)]), Some(Lasting::Free));
+    }
+
+    #[test]
+    fn a_name_is_found_by_its_words() {
+        let known = ["heave_acceleration", "driver_heave_acceleration", "driver_heave_velocity"];
+        let near = |name| with_all_words(name, known.into_iter());
+        assert_eq!(near("driver_acceleration"), Some("driver_heave_acceleration"));
+        assert_eq!(near("heave_accel"), None);
+    }
 }

@@ -1,6 +1,8 @@
 //! Lists of numbers in a design's file, refused by their field: a list of three is not one of two with something behind it.
 
 use super::Named;
+use super::design_fixed_spec::{MOST_ITERATIONS, MOST_SEED, MOST_TRIES};
+use super::design_goal::plain;
 use serde::de::{Error, IgnoredAny};
 use serde::{Deserialize, Deserializer};
 
@@ -22,7 +24,7 @@ fn two(place: &str, written: Written) -> Result<[f64; 2], String> {
         Written::List(list) => match list[..] {
             [low, high] => Ok([low, high]),
             _ => {
-                let all: Vec<String> = list.iter().map(ToString::to_string).collect();
+                let all: Vec<String> = list.iter().map(|v| plain(*v)).collect();
                 Err(format!("{expected}, found {}: [{}]", list.len(), all.join(", ")))
             }
         },
@@ -64,17 +66,56 @@ pub(super) fn local_order<'de, D: Deserializer<'de>>(d: D) -> Result<usize, D::E
     whole(d, MOST_ORDER, &format!("local.order: expected a whole number from 0 to {MOST_ORDER}"))
 }
 
-fn whole<'de, D: Deserializer<'de>>(d: D, most: usize, expected: &str) -> Result<usize, D::Error> {
-    #[derive(Deserialize)]
-    #[serde(untagged)]
-    enum Number {
-        Number(f64),
-        Other(IgnoredAny),
+/// `fixed-order.tries`, `seed` and `iterations`.
+pub(super) fn tries<'de, D: Deserializer<'de>>(d: D) -> Result<usize, D::Error> {
+    whole(d, MOST_TRIES, &format!("fixed-order.tries: expected a whole number from 0 to {MOST_TRIES}"))
+}
+
+/// See [`tries`].
+pub(super) fn seed<'de, D: Deserializer<'de>>(d: D) -> Result<u64, D::Error> {
+    // as many as a usize of any machine this is built for holds
+    whole(d, MOST_SEED as usize, &format!("fixed-order.seed: expected a whole number from 0 to {MOST_SEED}"))
+        .map(|v| v as u64)
+}
+
+/// See [`tries`].
+pub(super) fn iterations<'de, D: Deserializer<'de>>(d: D) -> Result<usize, D::Error> {
+    let expected = format!("fixed-order.iterations: expected a whole number from 1 to {MOST_ITERATIONS}");
+    whole(d, MOST_ITERATIONS, &expected)
+}
+
+/// What stands where a number is to.
+#[derive(Deserialize)]
+#[serde(untagged)]
+enum Kind {
+    Number(f64),
+    Bool(bool),
+    Text(String),
+    List(Vec<IgnoredAny>),
+    Table(Named<IgnoredAny>),
+    Other(IgnoredAny),
+}
+
+impl Kind {
+    fn words(&self) -> String {
+        match self {
+            Kind::Number(v) => plain(*v),
+            Kind::Bool(b) => b.to_string(),
+            Kind::Text(t) => format!("the text {t:?}"),
+            Kind::List(all) => format!("a list of {}", all.len()),
+            Kind::Table(table) => table
+                .iter()
+                .next()
+                .map_or("an empty table".into(), |(name, _)| format!("a table with {name}")),
+            Kind::Other(_) => "something else".to_owned(),
+        }
     }
-    match Number::deserialize(d)? {
-        Number::Number(v) if v.fract() == 0.0 && v >= 0.0 && v <= most as f64 => Ok(v as usize),
-        Number::Number(v) => Err(D::Error::custom(format!("{expected}, found {v}"))),
-        Number::Other(_) => Err(D::Error::custom(format!("{expected}, found something else"))),
+}
+
+fn whole<'de, D: Deserializer<'de>>(d: D, most: usize, expected: &str) -> Result<usize, D::Error> {
+    match Kind::deserialize(d)? {
+        Kind::Number(v) if v.fract() == 0.0 && v >= 0.0 && v <= most as f64 => Ok(v as usize),
+        other => Err(D::Error::custom(format!("{expected}, found {}", other.words()))),
     }
 }
 
@@ -93,7 +134,7 @@ pub(super) fn orders<'de, D: Deserializer<'de>>(d: D) -> Result<Vec<usize>, D::E
     };
     match Orders::deserialize(d)? {
         Orders::Numbers(all) => match all.iter().find(|v| !(v.fract() == 0.0 && (1.0..=MOST).contains(*v))) {
-            Some(v) => Err(wrong(v.to_string())),
+            Some(v) => Err(wrong(plain(*v))),
             None => Ok(all.into_iter().map(|v| v as usize).collect()),
         },
         Orders::Other(_) => Err(wrong("something else".to_owned())),

@@ -2,12 +2,12 @@
 
 pub(super) use super::design_measure::Norm;
 use super::design_measure::floor;
-use super::design_outputs::{damped, finite, no_own_output, once, outputs, settles, settling, shown};
+use super::design_outputs::{damped, finite, held, no_own_output, once, outputs, settles, settling, shown};
 use super::design_states::states;
 use super::ground::{Ground, ground};
 use super::{DesignMethod, DesignSpec, Named, StudyError, load_vehicle};
 use crate::lti::{GeneralizedPlant, LtiError};
-use crate::vehicle::{Output, PlantSettings, Vehicle, VehicleSpec};
+use crate::vehicle::{Output, PlantError, PlantSettings, Vehicle, VehicleSpec};
 
 /// A design made ready.
 #[derive(Clone)]
@@ -98,7 +98,7 @@ impl Problem {
             |e: LtiError| StudyError::Design { name: spec.vehicle.clone(), source: Box::new(e.into()) };
         let plant_error = |source| StudyError::Plant { name: spec.vehicle.clone(), source: Box::new(source) };
         let mut measurements = outputs(&vehicle, &spec.measurements, "measurements")?;
-        once(&vehicle, &spec.measurements)?;
+        once(&vehicle, &spec.measurements, "measurements")?;
         no_own_output(&measurements)?;
         if measurements.is_empty() && spec.method == DesignMethod::RobustStateFeedback {
             measurements = states(&vehicle, &settings).map_err(plant_error)?;
@@ -134,10 +134,11 @@ impl Problem {
             |names: &[&str]| names.iter().flat_map(|n| spec.members_of(n)).collect::<Vec<String>>();
         let squared: Vec<&str> = weights.iter().chain(spec.goal.bound_h2.iter()).map(|(n, _)| n).collect();
         let bounded: Vec<&str> = peaks.iter().map(|p| p.name.as_str()).collect();
-        let in_bounds: Vec<&str> = spec.goal.bound_h2.iter().map(|(n, _)| n).collect();
         let in_groups: Vec<&str> = groups.iter().map(|(n, _)| n).collect();
         outputs(&vehicle, &members_of(&in_groups), "goal.groups")?;
-        outputs(&vehicle, &members_of(&in_bounds), "goal.bound_h2")?;
+        for (field, list) in spec.goal.lists() {
+            outputs(&vehicle, &members_of(&list.iter().map(|(n, _)| n).collect::<Vec<_>>()), field)?;
+        }
         let in_h2 = outputs(&vehicle, &members_of(&squared), "goal.minimize")?;
         let in_hinf = outputs(&vehicle, &members_of(&bounded), "goal.bound")?;
         let mut wanted = in_h2.clone();
@@ -145,10 +146,22 @@ impl Problem {
         let names: Vec<String> = members_of(&squared.iter().chain(&bounded).copied().collect::<Vec<_>>());
         // a wanted output that can't be a performance is an error; of the others, those that can be are shown
         let y: Vec<&Output> = measurements.iter().collect();
-        vehicle.plant(&wanted.iter().collect::<Vec<_>>(), &y, &settings).map_err(plant_error)?;
+        let made = vehicle.plant(&wanted.iter().collect::<Vec<_>>(), &y, &settings);
+        if let Err(PlantError::Linalg(_)) = &made {
+            held(&vehicle)?;
+        }
+        made.map_err(plant_error)?;
+        // a controller that is searched may be for a vehicle that is not stable without it, if goals are over another one's norms
+        let normalized = if spec.normalize_at.is_empty() { None } else { Some(build(&spec.normalize_at)?) };
+        let other = normalized.as_ref().filter(|_| spec.method == DesignMethod::FixedOrder);
+        let judged = other.unwrap_or(&vehicle);
+        let dies_away = |output: &Output| -> Result<bool, PlantError> {
+            let own = judged.output(&output.name).unwrap_or(output);
+            judged.plant(&[own], &[], &settings).map(|p| settles(&p))
+        };
         let mut wandering = Vec::new();
         for output in &wanted {
-            if !settles(&vehicle.plant(&[output], &[], &settings).map_err(plant_error)?) {
+            if !dies_away(output).map_err(plant_error)? {
                 // corners stand or fall together: by the name that was asked for
                 let whole = names.contains(&output.base);
                 let name = if whole { output.base.as_str() } else { output.name.as_str() };
@@ -158,27 +171,23 @@ impl Problem {
             }
         }
         if !wandering.is_empty() {
-            damped(&vehicle, &file)?;
+            damped(judged, Some(&file).filter(|_| other.is_none()), spec.method)?;
         }
         settling(spec, &wandering)?;
         let reported: Vec<Output> = vehicle
             .outputs()
             .iter()
-            .filter(|o| {
-                wanted.contains(o)
-                    || (shown(o) && vehicle.plant(&[o], &[], &settings).is_ok_and(|p| settles(&p)))
-            })
+            .filter(|o| wanted.contains(o) || (shown(o) && dies_away(o).is_ok_and(|dies| dies)))
             .cloned()
             .collect();
         let z: Vec<&Output> = reported.iter().collect();
         let plant = vehicle.plant(&z, &y, &settings).map_err(plant_error)?;
-        let reference = if spec.normalize_at.is_empty() {
-            plant.passive()
-        } else {
-            let other = build(&spec.normalize_at)?;
-            let z =
-                z.iter().map(|o| other.output(&o.name)).collect::<Result<Vec<_>, _>>().map_err(of_file)?;
-            other.plant(&z, &[], &settings).map_err(plant_error)?.passive()
+        let reference = match &normalized {
+            None => plant.passive(),
+            Some(other) => {
+                let z = z.iter().map(|o| other.output(&o.name)).collect::<Result<Vec<_>, _>>();
+                other.plant(&z.map_err(of_file)?, &[], &settings).map_err(plant_error)?.passive()
+            }
         };
         if !reference.is_stable().map_err(design_error)? {
             settling(spec, &names.iter().map(String::as_str).collect::<Vec<_>>())?;
@@ -190,7 +199,7 @@ impl Problem {
                 &vehicle.plant(&in_h2.iter().collect::<Vec<_>>(), &[], &settings).map_err(plant_error)?,
             )?;
         }
-        let block = |field, name: &str, weight: f64, norm: Norm| -> Result<GoalBlock, StudyError> {
+        let block = |name: &str, weight: f64, norm: Norm| -> Result<GoalBlock, StudyError> {
             let own = spec.members_of(name);
             let members: Vec<usize> = (0..reported.len())
                 .filter(|i| own.contains(&reported[*i].name) || own.contains(&reported[*i].base))
@@ -199,7 +208,7 @@ impl Problem {
             let still = own.iter().map(|n| floor(&reported, &reference, n)).fold(0.0, f64::max);
             if !(passive > still) {
                 return Err(StudyError::Setting {
-                    field,
+                    field: spec.goal.field_of(name),
                     expected:
                         "outputs that this road moves (with coherence full, left and right tracks are alike)"
                             .into(),
@@ -208,15 +217,15 @@ impl Problem {
             }
             Ok(GoalBlock { name: name.to_owned(), members, weight, passive })
         };
-        let of_h2 = |field, named: &Named<f64>, norm| {
-            named.iter().map(|(name, v)| block(field, name, *v, norm)).collect::<Result<Vec<_>, _>>()
+        let of_h2 = |named: &Named<f64>, norm| {
+            named.iter().map(|(name, v)| block(name, *v, norm)).collect::<Result<Vec<_>, _>>()
         };
-        let goals = of_h2("goal.minimize", &weights, norm)?;
-        let bounded = of_h2("goal.bound_h2", &spec.goal.bound_h2, Norm::H2)?;
+        let goals = of_h2(&weights, norm)?;
+        let bounded = of_h2(&spec.goal.bound_h2, Norm::H2)?;
         let peaks = peaks
             .iter()
             .map(|p| {
-                let block = block("goal.bound", &p.name, p.weight, Norm::Hinf)?;
+                let block = block(&p.name, p.weight, Norm::Hinf)?;
                 Ok(PeakBlock { block, bound: p.bound })
             })
             .collect::<Result<Vec<_>, StudyError>>()?;

@@ -110,11 +110,13 @@ impl DesignOutcome {
     /// All outputs, by groups; within one, whole vectors are followed by their corners.
     #[must_use]
     pub fn rows(&self) -> Vec<ResponseRow<'_>> {
-        let names: Vec<&str> = self.passive.rms.iter().map(|(name, _)| name).collect();
+        let closed = self.verified.as_ref();
+        // a vehicle that is not stable without control has none of its own
+        let measured = closed.filter(|_| self.passive.rms.is_empty()).unwrap_or(&self.passive);
+        let names: Vec<&str> = measured.rms.iter().map(|(name, _)| name).collect();
         let is_corner_of =
             |name: &str, base: &str| name.strip_prefix(base).is_some_and(|rest| rest.starts_with('_'));
         let groups = &self.design.goal.groups;
-        let closed = self.verified.as_ref();
         let row = |name| ResponseRow {
             group: ResponseGroup::of(groups.get(name).and_then(|g| g.first()).map_or(name, String::as_str)),
             name,

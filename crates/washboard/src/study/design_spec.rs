@@ -1,6 +1,7 @@
 //! What a design is told: a DESIGN.toml as data.
 
 use super::design_fixed_spec::{FixedOrderSection, LocalSection, StructureSpec};
+use super::design_goal::plain;
 use super::design_mixed_spec::{LyapunovScaleSpec, MixedSection, PolesSection};
 use super::{Goal, Named, StudyError};
 use crate::vehicle::Disturbance;
@@ -261,7 +262,8 @@ impl DesignSpec {
         let mut spec: DesignSpec = crate::files::read_toml(path)?;
         let folder = path.parent().unwrap_or(std::path::Path::new(""));
         for name in [&mut spec.vehicle, &mut spec.road].into_iter().chain(spec.start.as_mut()) {
-            if !name.starts_with("case:") {
+            // an empty name is no file beside the design: it is refused by its field
+            if !name.starts_with("case:") && !name.is_empty() {
                 *name = folder.join(PathBuf::from(name.as_str())).display().to_string();
             }
         }
@@ -293,7 +295,7 @@ impl DesignSpec {
         }
         if !(0.01..=500.0).contains(&self.speed_m_s) {
             let (field, expected) = ("speed_m_s", "a positive number, 0.01 to 500 m/s".to_owned());
-            return Err(StudyError::Setting { field, expected, found: self.speed_m_s.to_string() });
+            return Err(StudyError::Setting { field, expected, found: plain(self.speed_m_s) });
         }
         if self.delay_order > MOST_DELAY_ORDER {
             let (field, expected) = ("delay_order", format!("an order up to {MOST_DELAY_ORDER}"));
@@ -302,6 +304,19 @@ impl DesignSpec {
         if let Some(d) = self.discretize.filter(|d| !(1e-9..=100.0).contains(&d.dt_s)) {
             let (field, expected) = ("discretize.dt_s", "1e-9 to 100 s".to_owned());
             return Err(StudyError::Setting { field, expected, found: format!("{:e}", d.dt_s) });
+        }
+        let numbered = |(k, p): (usize, &Named<f64>)| {
+            p.iter().map(|(n, v)| ("plant", format!("number {}: {n}", k + 1), *v)).collect::<Vec<_>>()
+        };
+        let named = |field: &'static str, of: &Named<f64>| {
+            of.iter().map(|(n, v)| (field, n.to_owned(), *v)).collect::<Vec<_>>()
+        };
+        let all =
+            named("override", &self.r#override).into_iter().chain(named("normalize_at", &self.normalize_at));
+        let mut all = all.chain(self.plant.iter().enumerate().flat_map(numbered));
+        if let Some((field, name, v)) = all.find(|(_, _, v)| !v.is_finite()) {
+            let expected = "finite numbers".to_owned();
+            return Err(StudyError::Setting { field, expected, found: format!("{name} = {v}") });
         }
         self.check_fixed_order()?;
         self.check_inequalities()

@@ -1,11 +1,13 @@
 //! What a design costs, said beside what it buys: responses that became worse, noise, a step that is too long.
 
 use super::design_outcome::Measured;
+use super::design_outputs::not_decaying;
 use super::design_problem::Problem;
 use super::design_words::short;
 use super::{
     DesignDisturbance, DesignMethod, Discretize, DiscretizeRule, Flag, Infinite, Named, Rms, StudyError,
 };
+use crate::linalg::C64;
 use crate::lti::{Continuous, StateSpace};
 use crate::synthesis::SynthesisError;
 
@@ -15,6 +17,34 @@ const WORSE_PEAK: f64 = 3.0;
 const PACE: f64 = 100.0;
 /// An output that becomes worse by more than this share is worth a warning.
 const WORSE_RMS: f64 = 0.1;
+
+/// Values of a goal that differ by less than this share are the same to a reader.
+pub(super) const ALIKE: f64 = 1e-4;
+
+/// A note of a vehicle that has no passive norms.
+pub(super) fn unstable_passive(passive: &Measured) -> Option<Flag> {
+    let poles: Vec<C64> = passive.poles.iter().map(|p| C64::new(p[0], p[1])).collect();
+    let what = not_decaying(&poles).filter(|_| !passive.stable)?;
+    let text = format!(
+        "the vehicle as stated is not stable without control ({what}): it has no norms, rms and gains of its own, and goals are over \
+         those at normalize_at"
+    );
+    Some(Flag { name: "unstable-passive".into(), text })
+}
+
+/// A note of a controller that does nothing for its goal.
+pub(super) fn no_better(k: &StateSpace<Continuous>, objective: &Named<f64>) -> Option<Flag> {
+    let (before, after) = (objective.get("passive")?, objective.get("verified")?);
+    let alike = (after / before - 1.0).abs() <= ALIKE && objective.get("worst").is_none();
+    let what = if k.order() == 0 { "gain" } else { "controller of this order and structure" };
+    alike.then(|| {
+        let text = format!(
+            "no {what} was found that makes the goal better than no control at all: what is written does next to nothing for it. \
+             More states (goal.order), other measurements or larger bounds may"
+        );
+        Flag { name: "no-gain-better".into(), text }
+    })
+}
 
 /// A warning where the discrete controller, on the vehicle sampled at its step, is not stable.
 pub(super) fn sampled_loop(

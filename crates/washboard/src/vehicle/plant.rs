@@ -87,7 +87,8 @@ pub enum PlantError {
     NoFilter,
     /// A coherence without a rational form.
     #[error(
-        "the road's coherence is `bogsjo`, which is not rational: a design needs full, none or independent"
+        "the road's coherence of left and right is `bogsjo`, which is not rational: a design needs full, none or independent. Write it into \
+         the road's file: [coherence] and below it kind = \"none\" (`washboard cases NAME > road.toml` for a case)"
     )]
     Coherence,
     /// A vehicle without actuators or wheels.

@@ -21,11 +21,12 @@ impl Vehicle {
         road: &Road,
         settings: &PlantSettings<'_>,
     ) -> Result<(StateSpace<Continuous>, Vec<String>), PlantError> {
-        if matches!(road.coherence(), Coherence::Bogsjo { mu } if *mu > 0.0) {
-            return Err(PlantError::Coherence);
-        }
         let places = self.wheel_places();
         let groups = sources(road.coherence(), &places);
+        // one track is alike to itself, however it is to others
+        if matches!(road.coherence(), Coherence::Bogsjo { mu } if *mu > 0.0) && groups.len() > 1 {
+            return Err(PlantError::Coherence);
+        }
         let count = self.wheels().len();
         let mut columns: Option<StateSpace<Continuous>> = None;
         let mut names = Vec::new();
