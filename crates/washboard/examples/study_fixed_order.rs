@@ -4,77 +4,22 @@
 
 #![allow(clippy::print_stdout, clippy::indexing_slicing, dead_code)]
 
+#[path = "common/fixed.rs"]
+mod fixed;
 #[path = "common/lmi_cars.rs"]
 mod lmi_cars;
 
+use fixed::{W, Z, asked, channel, full_rms, full_targets, quarter, quarter_targets};
 use lmi_cars::{
     COMFORT, HEIGHTS, NOISES, TIRE, TRAVEL, full_car_on_heights, full_car_with_heights, gain, h2,
 };
 use std::error::Error;
 use std::time::Instant;
-use washboard::cases;
 use washboard::lti::{Continuous, GeneralizedPlant, LtiError, StateSpace};
 use washboard::synthesis::{
-    Aim, Channel, FixedOrder, FixedOrderDesign, FixedOrderEnd, FixedOrderSettings, Measure, Structure,
-    Target, fixed_order, full_information,
+    Aim, FixedOrder, FixedOrderDesign, FixedOrderEnd, FixedOrderSettings, Measure, Target, fixed_order,
+    full_information,
 };
-use washboard::vehicle::{Disturbance, Output, PlantSettings};
-
-const SPEED_M_S: f64 = 20.0;
-/// W of (4.50).
-const W: f64 = 1.480_625e-4;
-/// The quarter car's outputs.
-const Z: [&str; 3] = ["sprung_acceleration", "suspension_travel", "tire_deflection"];
-
-fn quarter(ct: f64) -> Result<GeneralizedPlant, Box<dyn Error>> {
-    let spec = cases::vehicle_spec("turkay-quarter-car")?;
-    let car = spec.with_overrides(&[("tire_damping_n_s_per_m".into(), ct)])?.build_alone()?;
-    let of = |name: &str| car.outputs().iter().find(|o| o.name == name);
-    let z: Vec<&Output> = Z.iter().filter_map(|n| of(n)).collect();
-    let y: Vec<&Output> = of(Z[1]).into_iter().collect();
-    let road = cases::road("turkay-white-velocity")?;
-    let disturbance = Disturbance::RoadVelocity;
-    let settings = PlantSettings { road: (&road).into(), speed_m_s: SPEED_M_S, disturbance, delay_order: 2 };
-    Ok(car.plant(&z, &y, &settings)?)
-}
-
-fn channel(rows: &[usize], disturbances: &[usize]) -> Channel {
-    Channel { outputs: rows.iter().map(|r| (*r, 1.0)).collect(), disturbances: disturbances.to_vec() }
-}
-
-/// ‖T₁‖∞ against the passive car's under β of the passive car's travel and tire deflection.
-fn quarter_targets(
-    plant: usize,
-    passive: &StateSpace<Continuous>,
-    beta: [f64; 2],
-) -> Result<Vec<Target>, LtiError> {
-    let norm = |row: usize| gain(passive, &[row]);
-    let target = |row: usize, aim: Aim| Target {
-        plant,
-        measure: Measure::Hinf(channel(&[row], &[])),
-        aim,
-        name: Z[row].into(),
-    };
-    Ok(vec![
-        target(0, Aim::Goal(norm(0)?)),
-        target(1, Aim::Bound(beta[0] * norm(1)?)),
-        target(2, Aim::Bound(beta[1] * norm(2)?)),
-    ])
-}
-
-fn asked(plants: Vec<GeneralizedPlant>, targets: Vec<Target>, order: usize) -> FixedOrder {
-    let (nu, ny) = (plants[0].nu(), plants[0].ny());
-    FixedOrder {
-        structure: Structure::full(order, nu, ny),
-        plants,
-        targets,
-        max_pole_rad_s: Some(5e3),
-        max_gain: None,
-        margin_rad_s: 0.0,
-        starts: Vec::new(),
-        frequencies_rad_s: Vec::new(),
-    }
-}
 
 fn design(
     of: &FixedOrder,
@@ -263,38 +208,6 @@ fn beaten(orders: &[usize]) -> Result<(), Box<dyn Error>> {
         }
     }
     Ok(())
-}
-
-/// Λ₁, β₁ and β₂ of problem 7.3.1, in the rows of the full car from `heights`.
-fn full_targets(passive: &StateSpace<Continuous>, heights: &[usize]) -> Result<Vec<Target>, LtiError> {
-    let from =
-        |rows: &[usize]| -> Result<f64, LtiError> { Ok(passive.select(rows, heights)?.hinf_norm()?.norm) };
-    let mut comfort = channel(&COMFORT, heights);
-    for (row, weight) in &mut comfort.outputs {
-        *weight = 1.0 / from(&[*row])?;
-    }
-    let hinf = |c: Channel, aim: Aim, name: &str| Target {
-        plant: 0,
-        measure: Measure::Hinf(c),
-        aim,
-        name: name.into(),
-    };
-    Ok(vec![
-        hinf(comfort, Aim::Goal(1.0), "accelerations"),
-        hinf(channel(&TRAVEL, heights), Aim::Bound(1.1 * from(&TRAVEL)?), "travel"),
-        hinf(channel(&TIRE, heights), Aim::Bound(1.2 * from(&TIRE)?), "tire"),
-    ])
-}
-
-fn full_rms(with_noise: &GeneralizedPlant, k: &StateSpace<Continuous>) -> Result<[f64; 5], LtiError> {
-    let closed = with_noise.close(k)?.select(&(0..15).collect::<Vec<_>>(), &NOISES)?;
-    Ok([
-        h2(&closed, &[0])?,
-        h2(&closed, &[1])?,
-        h2(&closed, &[2])?,
-        h2(&closed, &TRAVEL)?,
-        h2(&closed, &TIRE)?,
-    ])
 }
 
 /// Table 7.2's problem.
