@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use thiserror::Error;
 
 mod write;
-pub use write::{check_target_directory, write_directory, write_files, write_whole};
+pub use write::{build_directory, check_target_directory, write_directory, write_files, write_whole};
 
 /// The largest text file that is read whole (descriptions, not data).
 const MAX_DESCRIPTION_BYTES: u64 = 16 << 20;
@@ -131,8 +131,14 @@ pub fn read_toml<T: DeserializeOwned>(path: &Path) -> Result<T, FileError> {
 pub fn parse_toml<T: DeserializeOwned>(text: &str, path: &Path) -> Result<T, FileError> {
     toml::from_str(text).map_err(|e| {
         let line = e.span().map(|s| text[..s.start.min(text.len())].matches('\n').count() + 1);
-        FileError::content(path, line, in_words(&with_suggestion(e.message())))
+        FileError::content(path, line, said(e.message()))
     })
+}
+
+/// serde's message in words, the nearest name beside one that is unknown.
+#[must_use]
+pub fn said(message: &str) -> String {
+    in_words(&with_suggestion(message))
 }
 
 /// What serde calls by the names of types.
