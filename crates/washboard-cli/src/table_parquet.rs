@@ -19,14 +19,18 @@ fn written(table: &SweepTable) -> Result<Vec<u8>, ParquetError> {
     let column = |k: usize| table.rows.iter().map(move |row| &row[k]);
     let is_number = |k: usize| !column(k).any(|c| matches!(c, Cell::Text(_)));
     let field = |(k, name): (usize, &String)| -> Result<Arc<Type>, ParquetError> {
-        let (physical, logical) =
-            if is_number(k) { (Physical::DOUBLE, None) } else { (Physical::BYTE_ARRAY, Some(LogicalType::String)) };
+        let (physical, logical) = if is_number(k) {
+            (Physical::DOUBLE, None)
+        } else {
+            (Physical::BYTE_ARRAY, Some(LogicalType::String))
+        };
         let own = Type::primitive_type_builder(name, physical).with_logical_type(logical);
         Ok(Arc::new(own.with_repetition(Repetition::OPTIONAL).build()?))
     };
     let fields = table.columns.iter().enumerate().map(field).collect::<Result<Vec<_>, _>>()?;
     let schema = Arc::new(Type::group_type_builder("sweep").with_fields(fields).build()?);
-    let mut file = SerializedFileWriter::new(Vec::new(), schema, Arc::new(WriterProperties::builder().build()))?;
+    let mut file =
+        SerializedFileWriter::new(Vec::new(), schema, Arc::new(WriterProperties::builder().build()))?;
     let mut rows = file.next_row_group()?;
     let mut k = 0;
     while let Some(mut place) = rows.next_column()? {

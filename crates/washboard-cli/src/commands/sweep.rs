@@ -4,7 +4,7 @@ use crate::args::shard;
 use crate::output::{Failure, Output};
 use crate::table::{Table, number, wrapped};
 use clap::Args;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::process::ExitCode;
 use washboard::files::{FileError, write_files};
 use washboard::report::sweep_page;
@@ -23,8 +23,8 @@ pub struct Arguments {
     #[arg(short, long, value_name = "DIR")]
     output: PathBuf,
     /// Points at once; all cores where it is left out.
-    #[arg(long, value_name = "N", value_parser = crate::args::count)]
-    jobs: Option<usize>,
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    jobs: Option<u16>,
     /// This part of the points alone, such as 2/3; `merge` puts them together.
     #[arg(long, value_name = "I/N", value_parser = shard)]
     shard: Option<Shard>,
@@ -41,14 +41,12 @@ pub fn run(a: Arguments, output: Output) -> Result<ExitCode, Failure> {
         e if e.is_wrong_input() => FileError::content(&a.sweep, None, e.to_string()).into(),
         e => e,
     };
-    if a.jobs == Some(0) {
-        return Err(FileError::content(Path::new("--jobs"), None, "expected 1 or more, found 0").into());
-    }
     let plan = SweepPlan::new(&SweepSpec::read(&a.sweep)?).map_err(in_file)?;
     let name = a.sweep.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
     let own = Input { path: name, ..Input::of_file(&a.sweep)? };
     let directory = SweepDirectory::begin(&a.output, &plan, own, a.overwrite)?;
-    let jobs = a.jobs.unwrap_or_else(|| std::thread::available_parallelism().map_or(1, usize::from));
+    let jobs = a.jobs.map(usize::from);
+    let jobs = jobs.unwrap_or_else(|| std::thread::available_parallelism().map_or(1, usize::from));
     let bar = output.bar();
     let progress = |p: washboard::study::SweepProgress| bar.show(p.done, p.found, p.total);
     sweep(&plan, &directory, jobs, a.shard.unwrap_or_default(), &progress).map_err(in_file)?;
@@ -127,8 +125,17 @@ pub fn table(o: &SweepOutcome) -> String {
 
 fn place(value: &serde_json::Value) -> String {
     match value {
-        serde_json::Value::Number(n) => n.as_f64().map(number).unwrap_or_default(),
+        serde_json::Value::Number(n) => n.as_f64().map(number).map(|t| short(&t)).unwrap_or_default(),
         serde_json::Value::String(s) => s.clone(),
         other => other.to_string(),
+    }
+}
+
+/// Without zeros at its end: what was asked is not a measurement.
+fn short(text: &str) -> String {
+    if text.contains('.') && !text.contains('e') {
+        text.trim_end_matches('0').trim_end_matches('.').to_owned()
+    } else {
+        text.to_owned()
     }
 }

@@ -91,7 +91,8 @@ fn headline(o: &SweepOutcome, names: &[&str], front: &[bool]) -> Html {
     let better = |p: &&SweepPoint| names.iter().all(|n| p.rms_relative.get(n).is_some_and(|r| *r < 1.0));
     if !names.is_empty() {
         let n = o.points.iter().filter(better).count();
-        inside = inside.and(paragraph(format!("{n} are better than the passive vehicle in all of these.")));
+        let are = if n == 1 { "is" } else { "are" };
+        inside = inside.and(paragraph(format!("{n} {are} better than the passive vehicle in all of these.")));
     }
     element("section", &[("class", &format!("verdict {class}")), ("id", "result")], inside)
 }
@@ -242,4 +243,67 @@ fn classed_head(class: &str, title: &str) -> Html {
         attributes.push(("class", class));
     }
     element("th", &attributes, title)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::report::fixture::NASTY;
+    use crate::study::{Gains, Named, SweepAxis, SweepStatus};
+
+    fn point(index: usize, at: Value, rms: Option<[f64; 3]>) -> SweepPoint {
+        let names = ["sprung_acceleration", "suspension_travel", "tire_deflection"];
+        let pairs = rms.map(|r| names.iter().zip(r).map(|(n, v)| ((*n).to_owned(), v)).collect());
+        let relative: Named<f64> = pairs.unwrap_or_default();
+        SweepPoint {
+            index,
+            at: [(NASTY.to_owned(), at)].into_iter().collect(),
+            status: if rms.is_some() { SweepStatus::Designed } else { SweepStatus::Stalled },
+            why: rms.is_none().then(|| NASTY.to_owned()),
+            order: rms.map(|_| 2),
+            objective: rms.iter().map(|r| ("verified".to_owned(), r.iter().sum())).collect(),
+            rms: relative.iter().map(|(n, v)| (n.to_owned(), crate::study::Rms::Finite(*v))).collect(),
+            rms_relative: relative,
+            h2: Named::default(),
+            h2_relative: Named::default(),
+            hinf: Named::default(),
+            hinf_relative: Named::default(),
+            warnings: vec![NASTY.to_owned()],
+            controller: rms.map(|_| NASTY.to_owned()),
+        }
+    }
+
+    fn outcome() -> SweepOutcome {
+        let values = vec![Value::from(1.0), Value::from(2.0), Value::from(3.0), Value::from(4.0)];
+        let rms = [Some([0.5, 0.9, 0.8]), Some([0.6, 0.8, 1.2]), Some([0.7, 0.9, 1.3]), None];
+        let points = values.iter().zip(rms).enumerate().map(|(k, (at, r))| point(k, at.clone(), r)).collect();
+        SweepOutcome {
+            grid: vec![SweepAxis { key: NASTY.into(), values }],
+            warm_start: false,
+            counts: [("designed".to_owned(), 3), ("stalled".to_owned(), 1)].into_iter().collect(),
+            missing: Vec::new(),
+            points,
+        }
+    }
+
+    #[test]
+    fn no_name_becomes_markup_and_every_point_is_everywhere() {
+        let detail = SweepDetail {
+            index: 1,
+            controller_poles: vec![[-1.0, 2.0], [-1.0, -2.0]],
+            loop_poles: vec![[-3.0, 0.0]],
+            units: Named::default(),
+            per: NASTY.into(),
+            gains: Gains::default(),
+        };
+        let page = sweep_page(&outcome(), &[detail], NASTY);
+        assert!(!page.contains("<img") && page.contains("&lt;img"));
+        assert!(page.contains("-1.000 ± 2.000i") || page.contains("−1.000 ± 2.000i"), "a pair of poles once");
+        // three trade-offs, the goal and three outputs along the grid, all points, and the table
+        assert_eq!(page.matches("data-point=\"0\"").count(), 3 + 4 + 1 + 1);
+        // a point without a loop is in the table and among all points
+        assert_eq!(page.matches("data-point=\"3\"").count(), 2);
+        assert!(page.contains("1 is better than the passive vehicle in all"));
+        assert!(page.contains("2 of them are beaten by no other"), "point 2 is beaten by point 1");
+    }
 }

@@ -141,6 +141,7 @@ impl Chart {
             let places = joined(s.points.iter().map(|p| [x.at(p[0]), y.at(p[1])]));
             body.push(element("polyline", &[("points", &places), ("class", s.class)], ""));
         }
+        let mut dots = Html::default();
         // strong dots over the others
         for front in [false, true] {
             for d in self.dots.iter().filter(|d| d.front == front) {
@@ -149,9 +150,10 @@ impl Chart {
                 let (index, r) = (d.index.to_string(), if front { "4.2" } else { "3.4" });
                 let around =
                     [("cx", cx.as_str()), ("cy", &cy), ("r", r), ("class", class), ("data-point", &index)];
-                body.push(element("circle", &around, element("title", &[], d.title.as_str())));
+                dots.push(element("circle", &around, element("title", &[], d.title.as_str())));
             }
         }
+        body.push(element("g", &[], dots));
         body.push(text(0.5 * (left + right), HEIGHT - 10.0, "label", &self.x_label));
         let turned = format!("rotate(-90 14 {})", coordinate(0.5 * (top + bottom)));
         let place = [

@@ -58,7 +58,8 @@ pub(super) fn parallel(o: &SweepOutcome, front: &[bool]) -> Option<Html> {
         axes.extend(coordinate_of(head(name), rms, Some(1.0), None));
     }
     let orders: Vec<Option<f64>> = o.points.iter().map(|p| p.order.map(|n| n as f64)).collect();
-    if orders.iter().flatten().any(|n| Some(*n) != orders.iter().flatten().next().copied()) {
+    let asked = o.grid.iter().any(|a| a.key == "goal.order");
+    if !asked && orders.iter().flatten().any(|n| Some(*n) != orders.iter().flatten().next().copied()) {
         axes.extend(coordinate_of(["order".into(), String::new()], orders, None, None));
     }
     (axes.len() > 1).then(|| draw(o, &axes, front))
@@ -106,18 +107,20 @@ fn draw(o: &SweepOutcome, axes: &[Coordinate], front: &[bool]) -> Html {
         body.push(text(x(k), 28.0, "label", &a.head[1]));
         body.push(line([x(k), TOP], [x(k), BOTTOM], "axis"));
     }
+    let mut ways = Html::default();
     for (n, p) in o.points.iter().enumerate() {
         let places = axes.iter().enumerate().filter_map(|(k, a)| Some([x(k), a.scale.at(a.values[n]?)]));
         // a line over the axes that it has values on
         let class = if front[n] { "way front" } else { "way" };
         let (index, places) = (p.index.to_string(), joined(places));
         let title = element("title", &[], format!("point {}, {}", p.index, p.status.name()));
-        body.push(element(
+        ways.push(element(
             "polyline",
             &[("points", &places), ("class", class), ("data-point", &index)],
             title,
         ));
     }
+    body.push(element("g", &[], ways));
     for (k, a) in axes.iter().enumerate() {
         let mark = |v: f64, words: &str| text(x(k) - 6.0, a.scale.at(v), "tick beside", words);
         if a.names.is_empty() {

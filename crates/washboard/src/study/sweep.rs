@@ -6,6 +6,7 @@ use super::design::design_from;
 use super::design_outcome::ControllerFile;
 use super::sweep_outcome::{PointDesign, PointFile, PointResult, PointStamp, SweepStatus};
 use super::{Envelope, Input, StudyError, SweepDirectory, SweepPlan};
+use crate::files::FileError;
 use std::ops::Range;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
@@ -126,14 +127,15 @@ fn compute(
             outcome.design.vehicle.clone_from(&own.vehicle);
             outcome.design.road.clone_from(&own.road);
             outcome.design.start.clone_from(&own.start);
+            outcome.why.iter_mut().for_each(|why| *why = plan.written_text(why));
+            outcome.notes.iter_mut().for_each(|note| note.text = plan.written_text(&note.text));
             (inputs, PointDesign::Outcome(Box::new(outcome)))
         }
+        // of the moment, and not of the point
+        Err(e @ StudyError::File(FileError::Read { .. })) => return Err(e),
         Err(e) => {
             let status = if e.is_wrong_input() { SweepStatus::WrongInput } else { SweepStatus::Failed };
-            let said = e.to_string();
-            let folder = format!("{}/", plan.spec.folder.display());
-            let why = said.strip_prefix(&folder).unwrap_or(&said).to_owned();
-            (Vec::new(), PointDesign::None { status, why })
+            (Vec::new(), PointDesign::None { status, why: plan.written_text(&e.to_string()) })
         }
     };
     let inputs: Vec<Input> = inputs.into_iter().map(|i| Input { path: plan.written(&i.path), ..i }).collect();

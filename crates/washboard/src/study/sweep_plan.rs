@@ -156,6 +156,12 @@ impl SweepPlan {
         Path::new(path).strip_prefix(folder).map_or_else(|_| path.to_owned(), |p| p.display().to_string())
     }
 
+    /// A message that begins with such a path.
+    pub(super) fn written_text(&self, text: &str) -> String {
+        let folder = format!("{}/", self.spec.folder.display());
+        text.strip_prefix(&folder).filter(|_| folder.len() > 1).unwrap_or(text).to_owned()
+    }
+
     /// Fields of vehicles and outputs in the grid's keys.
     fn check_names(&self) -> Result<(), StudyError> {
         let vehicles: BTreeSet<String> = (0..self.points.len()).map(|k| self.opened(k).vehicle).collect();
