@@ -156,7 +156,7 @@ fn what_is_no_key_of_a_design_is_said_before_anything_is_computed() {
     wrong(&folder, "sweep sweep.toml -o made", &["sped_m_s", "did you mean `speed_m_s`"]);
     write(&folder, "sweep.toml", &[HEAD, LQG, "[grid]\nspeed_m_s = [1, 2]\n[sweep]\nwarm_start = true\n"]);
     wrong(&folder, "sweep sweep.toml -o made", &["sweep.warm_start", "fixed-order"]);
-    write(&folder, "sweep.toml", &[HEAD, LQG, "[grid]\nspeed_m_s = [1, 2]\n[sweep]\nwarm = true\n"]);
+    write(&folder, "sweep.toml", &[HEAD, LQG, "[grid]\nspeed_m_s = [1, 2]\n[sweep]\nwarm_strt = true\n"]);
     wrong(&folder, "sweep sweep.toml -o made", &["did you mean `warm_start`"]);
     for shard in ["0/2", "3/2", "x"] {
         wrong(&folder, &format!("sweep sweep.toml -o made --shard {shard}"), &["1/N to N/N"]);

@@ -14,6 +14,9 @@ const BOTTOM: f64 = 282.0;
 /// Between two axes.
 const STEP: f64 = 118.0;
 const LEFT: f64 = 62.0;
+/// Letters of a name beside an axis, and the width of one.
+const LETTERS: usize = 15;
+const LETTER: f64 = 6.2;
 
 /// One axis.
 struct Coordinate {
@@ -95,12 +98,24 @@ fn grid_axis(o: &SweepOutcome, key: &str, values: &[Value]) -> Option<Coordinate
     }
     let place = |p: &SweepPoint| Some(values.iter().position(|v| Some(v) == p.at.get(key))? as f64);
     let mut axis = coordinate_of(head, o.points.iter().map(place).collect(), None, None)?;
-    axis.names = values.iter().map(value_text).collect();
+    axis.names = values.iter().map(|v| cut_off(&value_text(v))).collect();
     Some(axis)
 }
 
+/// The end of a name is what tells it from its neighbours.
+fn cut_off(name: &str) -> String {
+    let left = name.chars().count().saturating_sub(LETTERS);
+    if left == 0 {
+        name.to_owned()
+    } else {
+        std::iter::once('…').chain(name.chars().skip(left + 1)).collect()
+    }
+}
+
 fn draw(o: &SweepOutcome, axes: &[Coordinate], front: &[bool]) -> Html {
-    let x = |k: usize| LEFT + STEP * k as f64;
+    let longest = axes.first().into_iter().flat_map(|a| &a.names).map(|n| n.chars().count()).max();
+    let left = LEFT.max(12.0 + LETTER * longest.unwrap_or(0) as f64);
+    let x = |k: usize| left + STEP * k as f64;
     let mut body = Html::default();
     for (k, a) in axes.iter().enumerate() {
         body.push(text(x(k), 14.0, "label", &a.head[0]));

@@ -76,8 +76,7 @@ impl SweepDirectory {
         if overwrite && dir.exists() {
             fs::remove_dir_all(dir).map_err(fail)?;
         }
-        let filled = fs::read_dir(dir).is_ok_and(|mut d| d.next().is_some());
-        if filled {
+        if is_filled(dir) {
             if !dir.join("sweep.json").is_file() {
                 return Err(wrong(
                     dir,
@@ -93,9 +92,11 @@ impl SweepDirectory {
                 ));
             }
         }
-        fs::create_dir_all(dir.join("points")).map_err(fail)?;
+        fs::create_dir_all(dir).map_err(fail)?;
         let directory = SweepDirectory { dir: dir.to_owned(), file: own };
+        // first what it is: whenever a run is ended, the next one knows the directory
         write_whole(&dir.join("sweep.json"), &directory.seal_bytes())?;
+        fs::create_dir_all(dir.join("points")).map_err(fail)?;
         Ok(directory)
     }
 
@@ -105,8 +106,7 @@ impl SweepDirectory {
     /// What is in the way.
     pub fn check_target(dir: &Path, overwrite: bool) -> Result<(), StudyError> {
         check_place(dir)?;
-        let filled = fs::read_dir(dir).is_ok_and(|mut d| d.next().is_some());
-        if filled && !overwrite {
+        if is_filled(dir) && !overwrite {
             return Err(wrong(dir, "the directory is not empty; --overwrite replaces it"));
         }
         Ok(())
@@ -263,6 +263,12 @@ fn number(name: &str) -> Option<usize> {
 /// What [`write_whole`] has not yet renamed.
 fn is_part(name: &str) -> bool {
     name.starts_with('.') && name.ends_with(".part")
+}
+
+/// Whether there is anything but half-written files.
+fn is_filled(dir: &Path) -> bool {
+    let mut entries = fs::read_dir(dir).into_iter().flatten().flatten();
+    entries.any(|e| !is_part(&e.file_name().to_string_lossy()))
 }
 
 /// The first entry that is not a sweep's.

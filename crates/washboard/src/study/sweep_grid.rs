@@ -172,7 +172,7 @@ mod tests {
         assert_eq!(values("{ from = 0, to = 4, steps = 5 }").unwrap()[3].to_string(), "3");
         assert_eq!(values("{ from = 0, to = 1, steps = 3 }").unwrap()[1].to_string(), "0.5");
         let decades = values("{ from = 1e-9, to = 1e-7, steps = 3, scale = \"log\" }").unwrap();
-        assert!((decades[1].as_f64().unwrap() / 1e-8 - 1.0).abs() < 1e-14 && decades[2] == Value::from(1e-7));
+        assert!((decades[1].as_f64().unwrap() / 1e-8 - 1.0).abs() < 1e-14 && decades[2] == 1e-7);
     }
 
     #[test]

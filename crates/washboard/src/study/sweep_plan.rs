@@ -77,13 +77,14 @@ impl SweepPlan {
                 format!("{n} on {} axes", spec.grid.len()),
             ));
         }
-        known(&spec.design, "the design")?;
+        known(&spec.design).map_err(|e| setting("design", "keys and values of a design", e))?;
         for axis in &spec.grid {
             for value in &axis.values {
                 let mut alone = Map::new();
                 let put = put(&mut alone, &axis.key, value);
                 put.map_err(|e| setting("grid", "keys of a design", e))?;
-                known(&alone, &axis.key)?;
+                let expected = format!("a key and value of a design in `{}`", axis.key);
+                known(&alone).map_err(|e| setting("grid", expected, e))?;
             }
         }
         let point = |index: usize| -> Result<PlannedPoint, StudyError> {
@@ -215,11 +216,9 @@ impl SweepPlan {
 }
 
 /// Refuses a part of a design that has a key or a kind of value that none has; what is missing is the business of the whole.
-fn known(part: &Map<String, Value>, place: &str) -> Result<(), StudyError> {
+fn known(part: &Map<String, Value>) -> Result<(), String> {
     match DesignSpec::deserialize(Value::Object(part.clone())) {
-        Err(e) if !e.to_string().starts_with("missing field") => {
-            Err(setting("grid", format!("a key and value of a design in `{place}`"), said(&e.to_string())))
-        }
+        Err(e) if !e.to_string().starts_with("missing field") => Err(said(&e.to_string())),
         _ => Ok(()),
     }
 }
