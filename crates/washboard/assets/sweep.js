@@ -35,7 +35,7 @@
     make("h3", "Gains over frequency", place);
     const grid = make("div", "", place, "grid");
     data.outputs.forEach((output, k) => {
-      const curves = [["passive", "before", curve(data.passive[point.passive][k])], ["closed loop", "after", curve(point.closed[k])]];
+      const curves = [["passive", "before", curve(data.passive[point.passive][k])], [`closed loop`, "after", curve(point.closed[k])]];
       const shown = curves.filter(([, , y]) => y && y.some((v) => v !== null));
       if (!shown.length) return;
       const figure = make("figure", "", grid, "plot");
