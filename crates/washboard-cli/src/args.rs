@@ -1,6 +1,6 @@
 //! Readers of arguments that clap does not know.
 
-use washboard::study::Stretch;
+use washboard::study::{Shard, Stretch};
 
 /// `A,B`.
 pub fn pair(text: &str) -> Result<[f64; 2], String> {
@@ -39,4 +39,13 @@ pub fn stretch(text: &str) -> Result<Stretch, String> {
     let (speed, duration) = text.split_once(':').ok_or_else(wrong)?;
     let number = |s: &str| s.trim().parse::<f64>().map_err(|_| wrong());
     Ok(Stretch { speed_m_s: number(speed)?, duration_s: number(duration)? })
+}
+
+/// `I/N`, part I of N, from 1.
+pub fn shard(text: &str) -> Result<Shard, String> {
+    let wrong = || format!("expected a part such as 2/3, from 1/N to N/N, found {text:?}");
+    let (number, of) = text.split_once('/').ok_or_else(wrong)?;
+    let whole = |s: &str| s.trim().parse::<usize>().map_err(|_| wrong());
+    let (number, of) = (whole(number)?, whole(of)?);
+    if (1..=of).contains(&number) { Ok(Shard { number, of }) } else { Err(wrong()) }
 }

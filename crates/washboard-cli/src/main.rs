@@ -7,6 +7,8 @@ mod args;
 mod commands;
 mod output;
 mod table;
+#[cfg(feature = "parquet")]
+mod table_parquet;
 
 use clap::{Parser, Subcommand};
 use std::process::ExitCode;
@@ -37,6 +39,8 @@ enum Command {
     Identify(commands::identify::Arguments),
     Compare(commands::compare::Arguments),
     Design(commands::design::Arguments),
+    Sweep(commands::sweep::Arguments),
+    Merge(commands::merge::Arguments),
     Interpolate(commands::interpolate::Arguments),
     Report(commands::report::Arguments),
 }
@@ -55,6 +59,8 @@ fn main() -> ExitCode {
         Command::Identify(a) => commands::identify::run(a, cli.output),
         Command::Design(a) => commands::design::run(a, cli.output),
         Command::Compare(a) => commands::compare::run(a, cli.output),
+        Command::Sweep(a) => commands::sweep::run(a, cli.output),
+        Command::Merge(a) => commands::merge::run(a, cli.output),
         Command::Interpolate(a) => commands::interpolate::run(a, cli.output),
         Command::Report(a) => commands::report::run(a, cli.output),
     };

@@ -47,6 +47,48 @@ impl Output {
     }
 }
 
+impl Output {
+    /// A bar with the time left on standard error, where that is a terminal.
+    pub fn bar(self) -> Bar {
+        if self.quiet || !std::io::stderr().is_terminal() {
+            return Bar(None);
+        }
+        let bar = ProgressBar::new(0);
+        if let Ok(style) =
+            ProgressStyle::with_template("{wide_bar} {pos}/{len} points, {elapsed}, {eta} left")
+        {
+            bar.set_style(style);
+        }
+        bar.enable_steady_tick(Duration::from_millis(500));
+        Bar(Some(bar))
+    }
+}
+
+/// A bar that is gone when it is dropped.
+pub struct Bar(Option<ProgressBar>);
+
+impl Bar {
+    /// How much is done; what was `found` at the beginning took no time.
+    pub fn show(&self, done: usize, found: usize, total: usize) {
+        let Some(bar) = &self.0 else { return };
+        bar.set_length(total as u64);
+        if done == found {
+            bar.set_position(found as u64);
+            bar.reset_eta();
+        } else {
+            bar.inc(1);
+        }
+    }
+}
+
+impl Drop for Bar {
+    fn drop(&mut self) {
+        if let Some(bar) = &self.0 {
+            bar.finish_and_clear();
+        }
+    }
+}
+
 /// A spinner that is gone when it is dropped.
 pub struct Progress(Option<ProgressBar>);
 
@@ -90,6 +132,12 @@ pub struct Failure {
 }
 
 impl Failure {
+    /// Of a computation.
+    #[cfg(feature = "parquet")]
+    pub fn of_computation(message: String) -> Self {
+        Failure { message, wrong_input: false }
+    }
+
     /// Says it once: exit status 2 for wrong input, 1 where the computation failed.
     pub fn exit(self, output: Output) -> ExitCode {
         if output.json && !self.wrong_input {

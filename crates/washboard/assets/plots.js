@@ -1,7 +1,7 @@
 // Draws the plots of the page from its data; computes nothing but where things stand on the screen.
 "use strict";
-(() => {
-  const plots = JSON.parse(document.getElementById("data").textContent);
+const plots = (() => {
+  const given = JSON.parse(document.getElementById("data").textContent);
   const ink = "#16202a", faint = "#e3e7eb";
   const font = "12px system-ui, sans-serif";
   // thin and light against thick and dark: told apart without colour, too
@@ -59,8 +59,8 @@
   }
 
   const drawn = [];
-  const draw = (place) => {
-    const plot = plots[+place.dataset.plot], wide = place.parentElement.classList.contains("wide");
+  const draw = (place, plot = given[+place.dataset.plot]) => {
+    const wide = place.parentElement.classList.contains("wide");
     const height = (width) => wide ? Math.max(260, Math.min(430, width * 0.5)) : Math.max(190, Math.min(250, width * 0.52));
     const told = plot.hover.length > 0;
     const signed = (i) => i > 0 && styles[plot.series[i - 1].role].sign;
@@ -107,4 +107,9 @@
   addEventListener("resize", () => paper || fit());
   addEventListener("beforeprint", () => { paper = true; fit([330, 680]); });
   addEventListener("afterprint", () => { paper = false; fit(); });
+  // plots within an element that is about to be emptied
+  const forget = (within) => {
+    for (let k = drawn.length - 1; k >= 0; k--) if (within.contains(drawn[k].place)) drawn.splice(k, 1)[0].u.destroy();
+  };
+  return { draw, forget };
 })();

@@ -72,13 +72,16 @@ fn quarter_table(orders: &[usize]) -> Result<(), Box<dyn Error>> {
 
 /// The dependence on tire damping (figures 5.9–5.12): each point begun from the one before.
 fn damping(orders: &[usize]) -> Result<(), Box<dyn Error>> {
+    const CT: [f64; 7] = [98.0, 75.0, 50.0, 25.0, 10.0, 5.0, 1.0];
+    // of each tire the order before
+    let mut lower: Vec<Option<StateSpace<Continuous>>> = vec![None; CT.len()];
     for order in orders {
         let mut start: Vec<StateSpace<Continuous>> = Vec::new();
-        for ct in [98.0, 75.0, 50.0, 25.0, 10.0, 5.0, 1.0] {
+        for (ct, lower) in CT.into_iter().zip(&mut lower) {
             let plant = quarter(ct)?;
             let passive = plant.passive();
             let mut of = asked(vec![plant.clone()], quarter_targets(0, &passive, [1.0, 1.0])?, *order);
-            of.starts.clone_from(&start);
+            of.starts.extend(start.iter().chain(lower.as_ref()).cloned());
             let FixedOrderEnd::Designed(d) = fixed_order(&of, &FixedOrderSettings::default())? else {
                 println!("order {order}, c_t {ct}: bounds not met");
                 continue;
@@ -93,7 +96,8 @@ fn damping(orders: &[usize]) -> Result<(), Box<dyn Error>> {
                 p[1],
                 p[2]
             );
-            start = vec![d.controller.clone()];
+            *lower = Some(d.controller.clone());
+            start = vec![d.controller];
         }
     }
     Ok(())

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use thiserror::Error;
 
 mod write;
-pub use write::{check_target_directory, write_directory, write_files, write_whole};
+pub use write::{build_directory, check_target_directory, write_directory, write_files, write_whole};
 
 /// The largest text file that is read whole (descriptions, not data).
 const MAX_DESCRIPTION_BYTES: u64 = 16 << 20;
@@ -132,7 +132,7 @@ pub fn parse_toml<T: DeserializeOwned>(text: &str, path: &Path) -> Result<T, Fil
     toml::from_str(text).map_err(|e| {
         let before = e.span().map(|s| text.get(..s.start.min(text.len())).unwrap_or_default());
         let line = before.map(|b| b.matches('\n').count() + 1);
-        let message = in_words(&with_suggestion(e.message()));
+        let message = said(e.message());
         // serde says of a value what it is, not whose
         let key = before.and_then(key_of).filter(|_| message.starts_with("invalid "));
         FileError::content(path, line, key.map_or_else(|| message.clone(), |k| format!("{k}: {message}")))
@@ -146,6 +146,12 @@ fn key_of(before: &str) -> Option<String> {
     let inner = rest.rsplit_once('=').map(|(head, _)| head.rsplit(['{', ',']).next().unwrap_or(head).trim());
     let keys = std::iter::once(first.trim()).chain(inner.filter(|_| rest.trim_start().starts_with('{')));
     Some(keys.collect::<Vec<_>>().join("."))
+}
+
+/// serde's message in words, the nearest name beside one that is unknown.
+#[must_use]
+pub fn said(message: &str) -> String {
+    in_words(&with_suggestion(message))
 }
 
 /// What serde calls by the names of types.

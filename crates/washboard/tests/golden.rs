@@ -36,6 +36,7 @@ fn specifications_keep_their_keys() {
         "compare",
         "damping",
         "design",
+        "sweep",
         "respond",
         "road-fit",
         "road-profile",

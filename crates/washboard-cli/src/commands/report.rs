@@ -7,15 +7,15 @@ use serde::Serialize;
 use std::path::PathBuf;
 use std::process::ExitCode;
 use washboard::files::write_whole;
-use washboard::report::{compare_page, design_page, identify_page};
+use washboard::report::{compare_page, design_page, identify_page, sweep_page};
 use washboard::study::{
-    CompareOutcome, Envelope, is_result_of, read_design, read_identification, read_result,
+    CompareOutcome, Envelope, SweepDirectory, is_result_of, read_design, read_identification, read_result,
 };
 
 /// Write report.html again from result.json.
 #[derive(Debug, Args)]
 pub struct Arguments {
-    /// What `identify -o DIR`, `demo -o DIR`, `compare -o DIR` or `design -o DIR` wrote.
+    /// What `identify -o DIR`, `demo -o DIR`, `compare -o DIR`, `design -o DIR` or `sweep -o DIR` wrote.
     #[arg(value_name = "DIR")]
     directory: PathBuf,
 }
@@ -31,6 +31,11 @@ pub fn run(arguments: Arguments, output: Output) -> Result<ExitCode, Failure> {
     let (inputs, text) = if is_result_of(&arguments.directory, "compare") {
         let result = read_result::<CompareOutcome>(&file)?;
         (result.inputs, compare_page(&result.outcome, &compare::title(&result.outcome)))
+    } else if is_result_of(&arguments.directory, "sweep") {
+        let sweep = SweepDirectory::open(&arguments.directory)?;
+        let (outcome, details) = sweep.outcome()?;
+        let page = sweep_page(&outcome, &details, &sweep.file().file.path);
+        (sweep.envelope(outcome).inputs, page)
     } else if is_result_of(&arguments.directory, "design") {
         let (_, result) = read_design(&file)?;
         let title = result.inputs.first().map(|i| i.path.clone()).unwrap_or_default();

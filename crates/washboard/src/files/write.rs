@@ -48,22 +48,36 @@ pub fn write_files(files: &[(PathBuf, Vec<u8>)]) -> Result<(), FileError> {
 /// # Errors
 /// The system's, and a directory in the way.
 pub fn write_directory(dir: &Path, files: &[(&str, Vec<u8>)], overwrite: bool) -> Result<(), FileError> {
-    let fail = |source| FileError::Write { path: dir.to_owned(), source };
     check_target_directory(dir, overwrite)?;
+    build_directory(dir, |building| {
+        files.iter().try_for_each(|(file, bytes)| {
+            let path = building.join(file);
+            fs::write(&path, bytes).map_err(|source| FileError::Write { path, source })
+        })
+    })
+}
+
+/// Builds a directory beside its place and renames it there when all of it has succeeded; what was there is gone then.
+///
+/// # Errors
+/// The system's, and what `fill` says.
+pub fn build_directory<E: From<FileError>>(
+    dir: &Path,
+    fill: impl FnOnce(&Path) -> Result<(), E>,
+) -> Result<(), E> {
+    let fail = |source| E::from(FileError::Write { path: dir.to_owned(), source });
     let name = dir.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
     let parent = dir.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
     fs::create_dir_all(parent).map_err(fail)?;
     let building = parent.join(format!(".{name}.{}.part", std::process::id()));
     let old = parent.join(format!(".{name}.{}.old", std::process::id()));
-    let build = || -> std::io::Result<()> {
-        fs::create_dir(&building)?;
-        for (file, bytes) in files {
-            fs::write(building.join(file), bytes)?;
-        }
+    let build = || -> Result<(), E> {
+        fs::create_dir(&building).map_err(fail)?;
+        fill(&building)?;
         if dir.exists() {
-            fs::rename(dir, &old)?;
+            fs::rename(dir, &old).map_err(fail)?;
         }
-        fs::rename(&building, dir)
+        fs::rename(&building, dir).map_err(fail)
     };
     let built = build();
     if built.is_err() {
@@ -73,7 +87,7 @@ pub fn write_directory(dir: &Path, files: &[(&str, Vec<u8>)], overwrite: bool) -
         }
     }
     let _ = fs::remove_dir_all(&old);
-    built.map_err(fail)
+    built
 }
 
 /// What a result's directory may hold. Overwriting takes the directory away as a whole: nobody's data may be in it.

@@ -23,6 +23,10 @@ mod scene;
 mod shapes;
 mod spectra;
 mod stabilization;
+mod sweep;
+mod sweep_chart;
+mod sweep_detail;
+mod sweep_parallel;
 mod tried;
 mod truth;
 
@@ -32,6 +36,7 @@ mod fixture;
 use crate::study::IdentifyOutcome;
 pub use compare::compare_page;
 pub use design::design_page;
+pub use sweep::sweep_page;
 
 use html::Html;
 use page::{Page, Section};

@@ -6,14 +6,18 @@ use super::plot::Plots;
 pub(super) const UPLOT_SCRIPT: &str = include_str!("../../assets/uplot/uPlot.iife.min.js");
 pub(super) const UPLOT_STYLE: &str = include_str!("../../assets/uplot/uPlot.min.css");
 /// Our own scripts, in the order in which they need each other.
-pub(super) const SCRIPTS: [&str; 4] = [
+pub(super) const SCRIPTS: [&str; 5] = [
     include_str!("../../assets/numbers.js"),
     include_str!("../../assets/overlay.js"),
     include_str!("../../assets/plots.js"),
     include_str!("../../assets/shapes.js"),
+    include_str!("../../assets/sweep.js"),
 ];
-pub(super) const STYLES: [&str; 2] =
-    [include_str!("../../assets/report.css"), include_str!("../../assets/shapes.css")];
+pub(super) const STYLES: [&str; 3] = [
+    include_str!("../../assets/report.css"),
+    include_str!("../../assets/shapes.css"),
+    include_str!("../../assets/sweep.css"),
+];
 
 /// A part of the page that a link leads to.
 #[derive(Debug)]

@@ -19,6 +19,14 @@ use crate::vehicle::{Output, RideError};
 /// A vehicle, road or goal that is wrong. A plant that breaks an assumption of the method, or a loop that contradicts
 /// its controller, is an outcome with `status` and `why`.
 pub fn design(spec: &DesignSpec) -> Result<(DesignOutcome, Vec<Input>), StudyError> {
+    design_from(spec, None)
+}
+
+/// The same, where a controller of the same signals is at hand: one more start of `fixed-order`, and nothing to the others.
+pub(super) fn design_from(
+    spec: &DesignSpec,
+    neighbour: Option<&ControllerFile>,
+) -> Result<(DesignOutcome, Vec<Input>), StudyError> {
     spec.check()?;
     let norm = if spec.method == DesignMethod::Hinf { Norm::Hinf } else { Norm::H2 };
     let problem = Problem::new(spec, norm)?;
@@ -37,7 +45,7 @@ pub fn design(spec: &DesignSpec) -> Result<(DesignOutcome, Vec<Input>), StudyErr
         _ => None,
     };
     let fleet = match spec.method {
-        DesignMethod::FixedOrder => Some(design_fixed_order::Fleet::new(&problem)?),
+        DesignMethod::FixedOrder => Some(design_fixed_order::Fleet::new(&problem, neighbour)?),
         _ => None,
     };
     let mut outcome = DesignOutcome {

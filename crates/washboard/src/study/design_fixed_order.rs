@@ -4,12 +4,12 @@ use super::design_fixed_active::clusters;
 use super::design_fixed_member::Member;
 use super::design_fixed_outcome::{FixedOrderOutcome, FixedOrderTarget, Stationarity, TargetAim, TargetNorm};
 use super::design_fixed_search::{is_bound, searched};
-use super::design_fixed_starts::{given, invariant_frequencies, regulators};
+use super::design_fixed_starts::{given, in_order, invariant_frequencies, regulators};
 use super::design_fixed_structure::structure;
 use super::design_fixed_words::{not_met, not_stabilised, refused};
 use super::design_gains::{fast_controller, fastest, high_dynamic_gain, largest_gain};
 use super::design_methods::Found;
-use super::design_outcome::{DesignOutcome, DesignStatus};
+use super::design_outcome::{ControllerFile, DesignOutcome, DesignStatus};
 use super::design_problem::{GoalBlock, Problem};
 use super::design_robust::named_fields;
 use super::design_words::short;
@@ -50,7 +50,8 @@ impl About {
 pub(super) struct Fleet {
     pub members: Vec<Member>,
     structure: Structure,
-    start: Option<StateSpace<Continuous>>,
+    /// Of a neighbour in a sweep, and of a file.
+    starts: Vec<StateSpace<Continuous>>,
     /// The file of `start`.
     pub input: Option<Input>,
     pub targets: Vec<Target>,
@@ -60,7 +61,7 @@ pub(super) struct Fleet {
 impl Fleet {
     /// # Errors
     /// Fields that the vehicle does not have, a structure that does not fit the plant, a start with other signals.
-    pub fn new(problem: &Problem) -> Result<Self, StudyError> {
+    pub fn new(problem: &Problem, neighbour: Option<&ControllerFile>) -> Result<Self, StudyError> {
         let spec = &problem.spec;
         let structure = structure(problem)?;
         let bases: Vec<Vec<(String, f64)>> = if spec.plant.is_empty() {
@@ -74,8 +75,10 @@ impl Fleet {
             .map(|(k, fields)| Member::new(problem, fields, k + 1))
             .collect::<Result<Vec<_>, _>>()?;
         let (start, input) = given(problem)?.unzip();
+        let near = neighbour.map(|k| in_order(problem, k, "the neighbour")).transpose()?;
+        let starts = near.into_iter().chain(start).collect();
         let (targets, about) = members.iter().enumerate().flat_map(|(k, m)| targets(&m.problem, k)).unzip();
-        Ok(Fleet { members, structure, start, input, targets, about })
+        Ok(Fleet { members, structure, starts, input, targets, about })
     }
 
     pub fn is_many(&self) -> bool {
@@ -128,7 +131,7 @@ pub(super) fn by_fixed_order(problem: &Problem, fleet: &Fleet, outcome: &mut Des
             frequencies_rad_s.push(omega);
         }
     }
-    let starts: Vec<_> = fleet.start.iter().cloned().chain(regulators(&plants, &fleet.targets)).collect();
+    let starts: Vec<_> = fleet.starts.iter().cloned().chain(regulators(&plants, &fleet.targets)).collect();
     let section = spec.fixed_order.unwrap_or_default();
     let asked = FixedOrder {
         plants,

@@ -1,6 +1,7 @@
 //! Where a fixed-order search begins beside chance: regulators of every order that sensors of little noise allow, and a file.
 
 use super::controller_files::read_controller;
+use super::design_outcome::ControllerFile;
 use super::design_problem::Problem;
 use super::{Input, StudyError};
 use crate::lti::{Continuous, GeneralizedPlant, LtiError, StateSpace};
@@ -75,21 +76,33 @@ pub(super) fn given(problem: &Problem) -> Result<Option<(StateSpace<Continuous>,
         expected: "a design's directory or result.json, or a controller's file".into(),
         found: e.to_string(),
     })?;
-    let fail = |e: LtiError| StudyError::Design { name: path.clone(), source: Box::new(e.into()) };
+    let k = in_order(problem, &file, &input.path)?;
+    Ok(Some((k, input)))
+}
+
+/// A controller whose signals are in the order of the problem's.
+///
+/// # Errors
+/// Signals that are not the design's.
+pub(super) fn in_order(
+    problem: &Problem,
+    file: &ControllerFile,
+    name: &str,
+) -> Result<StateSpace<Continuous>, StudyError> {
+    let fail = |e: LtiError| StudyError::Design { name: name.to_owned(), source: Box::new(e.into()) };
     let places = |what: &str, wanted: Vec<&str>, found: &[String]| -> Result<Vec<usize>, StudyError> {
         let at: Option<Vec<usize>> = wanted.iter().map(|n| found.iter().position(|f| f == n)).collect();
         at.filter(|at| at.len() == found.len()).ok_or_else(|| StudyError::Setting {
             field: "start",
             expected: format!("a controller with the design's {what}: {}", wanted.join(", ")),
-            found: format!("{} in {}", found.join(", "), input.path),
+            found: format!("{} in {name}", found.join(", ")),
         })
     };
     let inputs =
         places("measurements", problem.measurements.iter().map(|o| o.name.as_str()).collect(), &file.inputs)?;
     let actuators = problem.vehicle.actuators().iter().map(|a| a.name.as_str()).collect();
     let outputs = places("actuators", actuators, &file.outputs)?;
-    let k = file.state_space().map_err(fail)?.select(&outputs, &inputs).map_err(fail)?;
-    Ok(Some((k, input)))
+    file.state_space().map_err(fail)?.select(&outputs, &inputs).map_err(fail)
 }
 
 /// ω₁ = √(k_t/(m_s + m_u)) and ω₂ = √(k_t/m_u) of quarter cars, where no control changes what it does elsewhere: a search

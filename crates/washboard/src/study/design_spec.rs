@@ -260,14 +260,18 @@ impl DesignSpec {
     /// A file that can't be read, an unknown key with the nearest that is.
     pub fn read(path: &std::path::Path) -> Result<Self, StudyError> {
         let mut spec: DesignSpec = crate::files::read_toml(path)?;
-        let folder = path.parent().unwrap_or(std::path::Path::new(""));
-        for name in [&mut spec.vehicle, &mut spec.road].into_iter().chain(spec.start.as_mut()) {
+        spec.resolve(path.parent().unwrap_or(std::path::Path::new("")));
+        Ok(spec)
+    }
+
+    /// Files named relative to a folder, as they are to be opened.
+    pub(super) fn resolve(&mut self, folder: &std::path::Path) {
+        for name in [&mut self.vehicle, &mut self.road].into_iter().chain(self.start.as_mut()) {
             // an empty name is no file beside the design: it is refused by its field
             if !name.starts_with("case:") && !name.is_empty() {
                 *name = folder.join(PathBuf::from(name.as_str())).display().to_string();
             }
         }
-        Ok(spec)
     }
 
     /// Noises of `lqg`, as they are where they are not stated.

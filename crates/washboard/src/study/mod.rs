@@ -98,6 +98,15 @@ mod spectrum_file;
 mod spectrum_noise;
 mod spectrum_smooth;
 mod speed_parts;
+mod sweep;
+mod sweep_directory;
+mod sweep_grid;
+mod sweep_merge;
+mod sweep_outcome;
+mod sweep_pareto;
+mod sweep_plan;
+mod sweep_spec;
+mod sweep_table;
 
 pub use crate::vehicle::Stretch;
 pub use beyond_band::BeyondBand;
@@ -152,3 +161,13 @@ pub use spec::{
     CompareSpec, DampingSpec, DemoSpec, IdentifyMethod, IdentifySpec, ModesSpec, RespondSpec, RideSpec,
     SimulateSpec, Spec,
 };
+pub use sweep::{Shard, SweepProgress, sweep};
+pub use sweep_directory::{SweepDirectory, SweepFile, point_name};
+pub use sweep_merge::{MergedSweep, merge, point_list};
+pub use sweep_outcome::{
+    PointDesign, PointFile, PointResult, PointStamp, SweepDetail, SweepOutcome, SweepPoint, SweepStatus,
+};
+pub use sweep_pareto::non_dominated;
+pub use sweep_plan::{PlannedPoint, SweepPlan, SweepSeal};
+pub use sweep_spec::{SweepAxis, SweepSpec};
+pub use sweep_table::{Cell, SweepTable};

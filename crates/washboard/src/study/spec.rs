@@ -30,6 +30,8 @@ pub enum Spec {
     Interpolate(super::InterpolateSpec),
     /// See [`design`](super::design).
     Design(Box<DesignSpec>),
+    /// See [`sweep`](super::sweep).
+    Sweep(super::SweepSpec),
     /// See [`road_fit`](super::road_fit).
     RoadFit(Box<RoadFitSpec>),
     /// See [`road_profile`](super::road_profile).

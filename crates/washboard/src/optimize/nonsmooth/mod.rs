@@ -7,6 +7,7 @@ mod model;
 mod pieces;
 mod sampled;
 mod simplex;
+mod steps;
 #[cfg(test)]
 mod tests;
 

@@ -10,6 +10,7 @@ mod h2_norm;
 mod hessenberg;
 mod outcome;
 mod peaks;
+mod pieces;
 mod problem;
 mod resolvent;
 mod scales;

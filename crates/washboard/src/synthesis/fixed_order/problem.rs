@@ -2,27 +2,17 @@
 
 use super::closed::{Closed, Open};
 use super::eigenvalues::Spectrum;
-use super::h2_norm::{h2_norm, moved_resolvent};
-use super::peaks::find;
-use super::resolvent::Resolvent;
+use super::h2_norm::moved_resolvent;
 use super::scales::Scales;
 use super::structure::Structure;
 use super::targets::{Aim, Channel, Measure, Target};
 use crate::linalg::{C64, Mat};
 use crate::lti::GeneralizedPlant;
-use crate::optimize::{Pieces, Role, SmoothPiece};
+use crate::optimize::{Role, SmoothPiece};
 use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 
-/// Eigenvalues count whose real part is within this of the largest, as a share of the unit.
-const BESIDE: f64 = 0.05;
-/// Eigenvalues farther below a bound than this are not asked about.
-const ROOM: f64 = 0.7;
 /// The margin is aimed at with this more, a share of the pace.
 pub(super) const BEYOND: f64 = 2e-6;
-/// Poles farther left of it than this, in units of the pace, are not asked about.
-const FAR_LEFT: f64 = 0.1;
-/// Eigenvalues of one matrix that count at most.
-const MOST_EIGENVALUES: usize = 6;
 
 /// Work that was done.
 #[derive(Debug, Default)]
@@ -178,13 +168,13 @@ impl Problem {
     }
 
     /// From a gradient by the block's entries to that by x.
-    fn gradient(&self, closed: &Closed, by_block: Mat) -> Vec<f64> {
+    pub fn gradient(&self, closed: &Closed, by_block: Mat) -> Vec<f64> {
         let order = self.structure.order();
         let g = closed.back(by_block);
         self.free.iter().map(|(i, j)| g[(*i, *j)] * self.scales.unit(order, *i, *j)).collect()
     }
 
-    fn close(&self, plant: usize, block: &Mat) -> Option<Closed> {
+    pub fn close(&self, plant: usize, block: &Mat) -> Option<Closed> {
         self.counters.loops.fetch_add(1, Relaxed);
         self.opens[plant].close(block, self.structure.order())
     }
@@ -241,137 +231,6 @@ impl Problem {
         (sum > 0.0 && sum.is_finite()).then(|| (0.5 * sum.ln(), gradient))
     }
 
-    /// Pieces of all wants of a plant; none where its loop is not stable.
-    fn of_plant(&self, plant: usize, block: &Mat, out: &mut Vec<SmoothPiece<Id>>) -> Option<()> {
-        let wants: Vec<usize> = (0..self.wanted.len()).filter(|t| self.wanted[*t].plant == plant).collect();
-        if wants.is_empty() && !self.stable[plant] {
-            return Some(());
-        }
-        let closed = self.close(plant, block)?;
-        self.counters.eigenproblems.fetch_add(1, Relaxed);
-        let poles = if closed.a.nrows() == 0 {
-            Vec::new()
-        } else {
-            crate::linalg::RealSchur::only_eigenvalues(&closed.a).ok()?
-        };
-        if self.stable[plant] {
-            let worst = poles.iter().map(|p| p.re).fold(f64::NEG_INFINITY, f64::max);
-            // what a certificate would not call stable
-            let size = poles.iter().map(|p| p.norm()).fold(0.0, f64::max);
-            if !(worst < -1e-12 * size) {
-                return None;
-            }
-        }
-        let order = self.structure.order();
-        let of_hinf = |t: &&usize| matches!(self.wanted[**t].kind, Kind::Hinf(_));
-        let mut resolvent = Resolvent::new(&self.opens[plant], &closed, order);
-        let channels: Vec<(usize, &Channel, f64, bool)> = wants
-            .iter()
-            .filter(of_hinf)
-            .filter_map(|t| match &self.wanted[*t].kind {
-                Kind::Hinf(c) => Some((*t, c, self.wanted[*t].unit, self.wanted[*t].role != Role::Goal)),
-                _ => None,
-            })
-            .collect();
-        if !channels.is_empty() {
-            let found = find(&mut resolvent, &channels, &poles, &self.frequencies)?;
-            for (t, peaks) in found {
-                for peak in peaks {
-                    let id = Id { target: t, of: Of::Peak { omega: peak.omega, u: peak.u, v: peak.v } };
-                    out.extend(self.peak_piece(&mut resolvent, &closed, id));
-                }
-            }
-        }
-        self.counters.factorisations.fetch_add(resolvent.counted, Relaxed);
-        for t in wants {
-            match &self.wanted[t].kind {
-                Kind::Hinf(_) => {}
-                Kind::H2(_) => out.push(self.h2_piece(t, &closed)?),
-                Kind::Abscissa | Kind::Margin | Kind::Radius => {
-                    out.extend(self.eigenvalue_pieces(t, &closed, &poles)?)
-                }
-            }
-        }
-        Some(())
-    }
-
-    fn peak_piece(&self, resolvent: &mut Resolvent, closed: &Closed, id: Id) -> Option<SmoothPiece<Id>> {
-        let Of::Peak { omega, u, v } = &id.of else { return None };
-        let (value, zu, yw) = resolvent.derivative(*omega, u, v)?;
-        if !(value.re > 0.0 && value.re.is_finite()) {
-            return None;
-        }
-        let by_block = Mat::from_fn(zu.len(), yw.len(), |i, j| (zu[i] * yw[j]).re / value.re);
-        let wanted = &self.wanted[id.target];
-        let gradient = self.gradient(closed, by_block);
-        Some(SmoothPiece { role: wanted.role, value: value.re.ln() - wanted.unit, gradient, id })
-    }
-
-    fn h2_piece(&self, target: usize, closed: &Closed) -> Option<SmoothPiece<Id>> {
-        let wanted = &self.wanted[target];
-        let Kind::H2(channel) = &wanted.kind else { return None };
-        self.counters.lyapunov.fetch_add(2, Relaxed);
-        let (norm, by_block) = h2_norm(&self.opens[wanted.plant], closed, channel, self.structure.order())?;
-        let gradient = self.gradient(closed, by_block);
-        let id = Id { target, of: Of::Smooth };
-        Some(SmoothPiece { role: wanted.role, value: norm.ln() - wanted.unit, gradient, id })
-    }
-
-    fn eigenvalue_pieces(
-        &self,
-        target: usize,
-        closed: &Closed,
-        poles: &[C64],
-    ) -> Option<Vec<SmoothPiece<Id>>> {
-        let wanted = &self.wanted[target];
-        // a bound with much room needs no derivative
-        let height = |v: &C64| self.eigenvalue_height(wanted, *v);
-        let highest = poles.iter().map(height).fold(f64::NEG_INFINITY, f64::max);
-        let room = if matches!(wanted.kind, Kind::Margin) { FAR_LEFT } else { ROOM };
-        if poles.is_empty() || (wanted.role != Role::Goal && highest < -room) {
-            return Some(Vec::new());
-        }
-        self.counters.eigenproblems.fetch_add(1, Relaxed);
-        let spectrum = Spectrum::new(&closed.a)?;
-        let mut all: Vec<(f64, usize)> = (0..spectrum.values.len())
-            .filter(|k| spectrum.values[*k].im >= 0.0)
-            .map(|k| (self.eigenvalue_height(wanted, spectrum.values[k]), k))
-            .collect();
-        all.sort_by(|a, b| b.0.total_cmp(&a.0));
-        let top = all.first()?.0;
-        let near = all.iter().take_while(|(h, _)| *h >= top - BESIDE).take(MOST_EIGENVALUES);
-        let pieces = near.filter_map(|(_, k)| self.eigenvalue_piece(target, closed, &spectrum, *k));
-        Some(pieces.collect())
-    }
-
-    fn eigenvalue_height(&self, wanted: &Wanted, value: C64) -> f64 {
-        match (&wanted.kind, wanted.role) {
-            (Kind::Radius, _) => value.norm().max(f64::MIN_POSITIVE).ln() - wanted.unit,
-            (_, Role::Goal) => value.re / wanted.unit,
-            _ => (value.re - wanted.unit) / self.scales.pace,
-        }
-    }
-
-    fn eigenvalue_piece(
-        &self,
-        target: usize,
-        closed: &Closed,
-        spectrum: &Spectrum,
-        k: usize,
-    ) -> Option<SmoothPiece<Id>> {
-        let wanted = &self.wanted[target];
-        let value = spectrum.values[k];
-        let along = match (&wanted.kind, wanted.role) {
-            (Kind::Radius, _) => value.conj() / value.norm_sqr().max(f64::MIN_POSITIVE),
-            (_, Role::Goal) => C64::new(1.0 / wanted.unit, 0.0),
-            _ => C64::new(1.0 / self.scales.pace, 0.0),
-        };
-        let by_block = spectrum.derivative(k, &self.opens[wanted.plant], self.structure.order(), along)?;
-        let gradient = self.gradient(closed, by_block);
-        let id = Id { target, of: Of::Eigenvalue(value) };
-        Some(SmoothPiece { role: wanted.role, value: self.eigenvalue_height(wanted, value), gradient, id })
-    }
-
     /// Wants as they are at x: the largest over their pieces, as norms and rad/s.
     pub fn values(&self, pieces: &[SmoothPiece<Id>]) -> Vec<f64> {
         let mut values = vec![f64::NEG_INFINITY; self.wanted.len()];
@@ -417,75 +276,5 @@ fn among(channel: &Channel, (outputs, disturbances): &(Vec<usize>, Vec<usize>)) 
     Channel {
         outputs: channel.outputs.iter().map(|(z, weight)| (place(outputs, *z), *weight)).collect(),
         disturbances: if channel.disturbances.is_empty() { all } else { named },
-    }
-}
-
-impl Pieces for Problem {
-    type Id = Id;
-
-    fn dimension(&self) -> usize {
-        self.free.len()
-    }
-
-    fn pieces(&self, x: &[f64]) -> Option<Vec<SmoothPiece<Id>>> {
-        let block = self.block(x);
-        let mut out = Vec::new();
-        for plant in 0..self.opens.len() {
-            self.of_plant(plant, &block, &mut out)?;
-        }
-        Some(out)
-    }
-
-    fn again(&self, ids: &[&Id], x: &[f64]) -> Vec<SmoothPiece<Id>> {
-        let block = self.block(x);
-        let mut out = Vec::new();
-        for plant in 0..self.opens.len() {
-            let here: Vec<&&Id> = ids.iter().filter(|id| self.wanted[id.target].plant == plant).collect();
-            if here.is_empty() {
-                continue;
-            }
-            let Some(closed) = self.close(plant, &block) else { continue };
-            let mut resolvent = Resolvent::new(&self.opens[plant], &closed, self.structure.order());
-            let mut spectrum = None;
-            for id in here {
-                match &id.of {
-                    Of::Peak { .. } => out.extend(self.peak_piece(&mut resolvent, &closed, (*id).clone())),
-                    Of::Smooth => out.extend(self.h2_piece(id.target, &closed)),
-                    Of::Eigenvalue(value) => {
-                        if spectrum.is_none() {
-                            spectrum = Spectrum::new(&closed.a);
-                        }
-                        let Some(s) = &spectrum else { continue };
-                        let k = s.nearest(*value);
-                        out.extend(k.and_then(|k| self.eigenvalue_piece(id.target, &closed, s, k)));
-                    }
-                }
-            }
-            self.counters.factorisations.fetch_add(resolvent.counted, Relaxed);
-        }
-        out
-    }
-
-    fn apart(&self, one: &Id, other: &Id) -> Option<f64> {
-        if one.target != other.target {
-            return None;
-        }
-        match (&one.of, &other.of) {
-            (Of::Smooth, Of::Smooth) => Some(0.0),
-            (Of::Eigenvalue(a), Of::Eigenvalue(b)) => {
-                Some((a - b).norm() / a.norm().max(b.norm()).max(1e-300))
-            }
-            (Of::Peak { omega: a, u: p, .. }, Of::Peak { omega: b, u: q, .. }) => {
-                let norm = |z: &[C64]| z.iter().map(|z| z.norm_sqr()).sum::<f64>().sqrt();
-                let along = p.iter().zip(q).map(|(p, q)| p.conj() * q).sum::<C64>() / (norm(p) * norm(q));
-                let ratio = match (*a, *b) {
-                    (a, b) if a == b => 0.0,
-                    (a, b) if a == 0.0 || b == 0.0 || a.is_infinite() || b.is_infinite() => f64::INFINITY,
-                    (a, b) => (a / b).ln().abs(),
-                };
-                Some(ratio + (1.0 - along.norm()).max(0.0))
-            }
-            _ => None,
-        }
     }
 }
