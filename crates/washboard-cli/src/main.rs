@@ -38,6 +38,7 @@ enum Command {
     Compare(commands::compare::Arguments),
     Design(commands::design::Arguments),
     Interpolate(commands::interpolate::Arguments),
+    Reproduce(commands::reproduce::Arguments),
     Report(commands::report::Arguments),
 }
 
@@ -56,6 +57,7 @@ fn main() -> ExitCode {
         Command::Design(a) => commands::design::run(a, cli.output),
         Command::Compare(a) => commands::compare::run(a, cli.output),
         Command::Interpolate(a) => commands::interpolate::run(a, cli.output),
+        Command::Reproduce(a) => commands::reproduce::run(a, cli.output),
         Command::Report(a) => commands::report::run(a, cli.output),
     };
     run.unwrap_or_else(|failure| failure.exit(cli.output))

@@ -9,6 +9,7 @@ pub mod identify;
 pub mod interpolate;
 pub mod modes;
 pub mod report;
+pub mod reproduce;
 pub mod respond;
 pub mod ride;
 pub mod road;

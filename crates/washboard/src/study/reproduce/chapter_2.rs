@@ -7,8 +7,8 @@ use crate::cases;
 use crate::linalg::{C64, CMat, Mat};
 use crate::lti::{Discrete, StateSpace};
 use crate::subspace::{
-    AnalyticSettings, Part, Samples, ShapeSettings, ShapeWeights, SpectrumSettings, Unpaired, Weights, fit_analytic,
-    fit_shape, fit_spectrum,
+    AnalyticSettings, Part, Samples, ShapeSettings, ShapeWeights, SpectrumSettings, Unpaired, Weights,
+    fit_analytic, fit_shape, fit_spectrum,
 };
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -127,8 +127,14 @@ fn spectrum_figure(sheet: &mut Sheet, weighted: bool, printed: [&str; 2]) -> Res
     for (on, name) in [(NoiseOn::Spectrum, "S + S̃ν"), (NoiseOn::Amplitude, "|G + S̃ν|²")] {
         let found = spectrum_errors(on, weighted, RUNS)?;
         let note = format!("noise as {name}, standard error {:.4}, seed 1000", found.h2_error);
-        sheet.printed(format!("mean H2 error {with}, {name}"), printed[0], found.h2).excused_by("E2.1").noted(&note);
-        sheet.printed(format!("mean sup error {with}, {name}"), printed[1], found.sup).excused_by("E2.1").noted(&note);
+        sheet
+            .printed(format!("mean H2 error {with}, {name}"), printed[0], found.h2)
+            .excused_by("E2.1")
+            .noted(&note);
+        sheet
+            .printed(format!("mean sup error {with}, {name}"), printed[1], found.sup)
+            .excused_by("E2.1")
+            .noted(&note);
         if on == NoiseOn::Spectrum {
             let curves = vec![
                 Curve { label: "true".to_owned(), y: found.truth },
@@ -185,14 +191,18 @@ pub(super) fn figure_3(_: &Context, sheet: &mut Sheet) -> Result<(), ReproduceEr
     let road = cases::road("turkay-split-power-law")?;
     let white = cases::road("turkay-white-velocity")?;
     let n: Vec<f64> = (0..=200).map(|i| 0.01 * 1000f64.powf(f64::from(i) / 200.0)).collect();
-    // one-sided per cycle/m of a spectrum that is two-sided per rad/s at 1 m/s
-    let density = |s: &crate::road::Spectrum, n: f64| 2.0 * TAU * s.psd(TAU * n, 1.0);
+    // S(j2πn), two-sided: at 1 m/s time and distance are one
+    let density = |s: &crate::road::Spectrum, n: f64| s.psd(TAU * n, 1.0);
     let filter = |n: f64| {
         let w = TAU * n;
         0.0122f64.powi(2) * (w * w + 1.1154f64.powi(2)) / (w * w + 0.0404f64.powi(2))
     };
-    let level = density(road.spectrum(), 0.15708);
-    sheet.printed("split power law at n₀, m²/(cycle/m)", "0.76e-5", level);
+    sheet.printed("split power law at n₀, m²/(cycle/m)", "0.76e-5", density(road.spectrum(), 0.15708));
+    sheet.printed(
+        "integrated white noise at n₀, m²/(cycle/m)",
+        "0.76e-5",
+        density(white.spectrum(), 0.15708),
+    );
     let below = density(white.spectrum(), 0.05) / density(road.spectrum(), 0.05);
     sheet
         .bound("white velocity over split power law at 0.05 cycles/m", Relation::AtMost, "1", below)
@@ -265,6 +275,8 @@ pub(super) fn samples(_: &Context, sheet: &mut Sheet) -> Result<(), ReproduceErr
         }
     }
     sheet.count("least N with 2N > p + 2n − 1, p = 9, n = 4", 9, least).noted("found by trying");
-    sheet.count("least N with N ≥ p/2 + n + 1", 10, (p + 2 * n + 2).div_ceil(2)).noted("arithmetic of theorem 2.4.1");
+    sheet
+        .count("least N with N ≥ p/2 + n + 1", 10, (p + 2 * n + 2).div_ceil(2))
+        .noted("arithmetic of theorem 2.4.1");
     Ok(())
 }

@@ -6,7 +6,8 @@ use super::item::Sheet;
 use crate::linalg::{C64, CMat, Mat};
 use crate::lti::{Discrete, StateSpace};
 use crate::subspace::{
-    Domain, InterpolationData, Node, Point, PrintedForm, Realisation, SubspaceError, interpolate, printed_steps,
+    Domain, InterpolationData, Node, Point, PrintedForm, Realisation, SubspaceError, interpolate,
+    printed_steps,
 };
 use std::f64::consts::PI;
 
@@ -55,7 +56,8 @@ const B_HAT: [&[&str]; 4] = [
     &["-0.1545", "1.0984", "0.4896"],
     &["-1.4555", "-0.9375", "0.0547"],
 ];
-const C_HAT: [&[&str]; 2] = [&["0.8460", "0.2123", "-0.2149", "-0.3233"], &["-0.0721", "0.8069", "0.5289", "0.1046"]];
+const C_HAT: [&[&str]; 2] =
+    [&["0.8460", "0.2123", "-0.2149", "-0.3233"], &["-0.0721", "0.8069", "0.5289", "0.1046"]];
 const D_HAT: [&[&str]; 2] = [&["1.0000", "-1.0000", "-0.0000"], &["-0.0000", "1.0000", "1.0000"]];
 
 /// The system that is to be found.
@@ -180,11 +182,16 @@ fn entries(name: &str, printed: &[&[&str]], found: &dyn Fn(usize, usize) -> f64,
 
 /// §3.1.3: the least numbers of nodes that give a scalar system of order 4 back.
 pub(super) fn node_counts(_: &Context, sheet: &mut Sheet) -> Result<(), ReproduceError> {
-    let simple = |count: usize| (0..count).map(|k| C64::from_polar(1.1, PI * (k as f64 + 0.5) / count as f64)).collect();
-    let with_zero = |count: usize| (0..count).map(|k| C64::from_polar(1.0, PI * k as f64 / count as f64)).collect();
+    let simple = |count: usize| {
+        (0..count).map(|k| C64::from_polar(1.1, PI * (k as f64 + 0.5) / count as f64)).collect()
+    };
+    let with_zero =
+        |count: usize| (0..count).map(|k| C64::from_polar(1.0, PI * k as f64 / count as f64)).collect();
     let with_both = |count: usize| {
         let step = PI / (count.max(2) - 1) as f64;
-        (0..count).map(|k| if k + 1 == count { C64::new(-1.0, 0.0) } else { C64::from_polar(1.0, step * k as f64) }).collect()
+        (0..count)
+            .map(|k| if k + 1 == count { C64::new(-1.0, 0.0) } else { C64::from_polar(1.0, step * k as f64) })
+            .collect()
     };
     type Nodes<'a> = &'a dyn Fn(usize) -> Vec<C64>;
     let ways: [(&str, usize, Nodes<'_>); 3] = [

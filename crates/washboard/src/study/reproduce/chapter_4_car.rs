@@ -51,10 +51,9 @@ pub(super) fn modes_and_rms(context: &Context, sheet: &mut Sheet) -> Result<(), 
         let [heave, hop] = &found[..] else {
             return Err(ReproduceError::unexpected("modes", "two oscillatory modes", found.len()));
         };
-        for (name, mode, [hz, zeta]) in [
-            ("heave", &heave.0, [printed[0], printed[1]]),
-            ("wheel hop", &hop.0, [printed[2], printed[3]]),
-        ] {
+        for (name, mode, [hz, zeta]) in
+            [("heave", &heave.0, [printed[0], printed[1]]), ("wheel hop", &hop.0, [printed[2], printed[3]])]
+        {
             sheet.printed(format!("{name}, Hz, c_t = {ct}"), hz, mode.freq_hz);
             sheet.printed(format!("{name}, damping ratio, c_t = {ct}"), zeta, mode.damping);
         }

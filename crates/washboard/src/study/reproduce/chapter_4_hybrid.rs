@@ -6,7 +6,8 @@ use super::item::{Axis, Curve, Relation, Sheet};
 use crate::linalg::C64;
 use crate::lti::{Polynomial, Rational, RationalFunction, decimal};
 use crate::synthesis::achievable::{
-    Hybrid, HybridCurve, Measurement, NotAchievable, Psi, QuarterCar, Response, hybrid, hybrid_over_tire_damping,
+    Hybrid, HybridCurve, Measurement, NotAchievable, Psi, QuarterCar, Response, hybrid,
+    hybrid_over_tire_damping,
 };
 use std::f64::consts::TAU;
 
@@ -116,16 +117,22 @@ impl Actuators {
     /// Where and by how many decibels the hybrid design has most above an LQG design.
     pub fn largest_increase(&self, of: Quantity, against: Design) -> (f64, f64) {
         let beside = if against == Design::Own { &self.own } else { &self.copied };
-        let ratio = self.hybrid[of as usize].iter().zip(&beside[of as usize]).map(|(h, l)| 20.0 * (h / l).log10());
-        self.freq_hz.iter().copied().zip(ratio).fold((f64::NAN, f64::NEG_INFINITY), |most, at| {
-            if at.1 > most.1 { at } else { most }
-        })
+        let ratio =
+            self.hybrid[of as usize].iter().zip(&beside[of as usize]).map(|(h, l)| 20.0 * (h / l).log10());
+        self.freq_hz
+            .iter()
+            .copied()
+            .zip(ratio)
+            .fold((f64::NAN, f64::NEG_INFINITY), |most, at| if at.1 > most.1 { at } else { most })
     }
 
     /// Frequencies of the largest values of a curve that are above both neighbours.
     pub fn peaks(&self, curve: &[f64]) -> Vec<f64> {
         let inside = 1..curve.len().saturating_sub(1);
-        inside.filter(|k| curve[*k] > curve[k - 1] && curve[*k] > curve[k + 1]).map(|k| self.freq_hz[k]).collect()
+        inside
+            .filter(|k| curve[*k] > curve[k - 1] && curve[*k] > curve[k + 1])
+            .map(|k| self.freq_hz[k])
+            .collect()
     }
 }
 
@@ -164,14 +171,16 @@ pub(super) fn figure_10(context: &Context, sheet: &mut Sheet) -> Result<(), Repr
     let lqg = gains("LQG, y₂, c_t = 2c_s", &copied, 0, &freq_hz)?;
     let h1 = &found.responses[Response::Acceleration as usize];
     let y = freq_hz.iter().map(|f| Ok(h1.at_frequency(TAU * f)?.norm() / (TAU * f)));
-    let hybrid = Curve { label: "hybrid, c_t = 0.1c_s".to_owned(), y: y.collect::<Result<_, ReproduceError>>()? };
+    let hybrid =
+        Curve { label: "hybrid, c_t = 0.1c_s".to_owned(), y: y.collect::<Result<_, ReproduceError>>()? };
     let worst = freq_hz
         .iter()
         .zip(lqg.y.iter().zip(&hybrid.y))
         .filter(|(f, _)| **f <= 20.0)
         .map(|(_, (a, b))| (b / a - 1.0).abs())
         .fold(0.0, f64::max);
-    let reading = (0.05, "\"very accurate in the bandwidth of interest\", taken as 5 % of the magnitude up to 20 Hz");
+    let reading =
+        (0.05, "\"very accurate in the bandwidth of interest\", taken as 5 % of the magnitude up to 20 Hz");
     sheet.within("largest relative difference of |H₁| to 20 Hz", "0", worst, reading);
     let (x, y) = (Axis::log("frequency, Hz").at(&freq_hz), Axis::log("|T_z₁V|, 1/s"));
     sheet.figure("", "Acceleration of the hybrid design and of what it copies", x, y, vec![lqg, hybrid]);
@@ -214,7 +223,8 @@ pub(super) fn figure_12(context: &Context, sheet: &mut Sheet) -> Result<(), Repr
 
 fn range(found: &HybridCurve, of: Design) -> [Vec<f64>; 2] {
     let at = |k: usize| {
-        let gains = found.at.iter().map(move |a| if of == Design::Own { a.lqg.gain[k] } else { a.hybrid.gain[k] });
+        let gains =
+            found.at.iter().map(move |a| if of == Design::Own { a.lqg.gain[k] } else { a.hybrid.gain[k] });
         gains.fold((f64::INFINITY, 0.0f64), |(low, high), g| (low.min(g), high.max(g)))
     };
     let all: Vec<(f64, f64)> = (0..found.freq_hz.len()).map(at).collect();

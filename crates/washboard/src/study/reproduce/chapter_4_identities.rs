@@ -5,8 +5,8 @@ use super::context::{BOTH, Context, DAMPED, OVERDAMPED, TRAVEL};
 use super::item::Sheet;
 use crate::lti::{Polynomial, Rational, RationalFunction, decimal, to_f64};
 use crate::synthesis::achievable::{
-    ByTravelAlone, Measurement, QuarterCar, QuarterCarNumbers, Response, Youla, by_travel_alone, log_integral,
-    unimodular,
+    ByTravelAlone, Measurement, QuarterCar, QuarterCarNumbers, Response, Youla, by_travel_alone,
+    log_integral, unimodular,
 };
 
 /// Rounding of a quadrature beside ω₂, which is its scale.
@@ -30,7 +30,9 @@ fn apart(a: &RationalFunction, b: &RationalFunction) -> Rational {
 fn identity(sheet: &mut Sheet, what: &str, printed: &RationalFunction, derived: &RationalFunction) {
     let none = Rational::from_integer(0.into());
     let found = apart(printed, derived);
-    sheet.exact(format!("{what}: printed less derived"), &none, &found).noted("0 as exact rational functions");
+    sheet
+        .exact(format!("{what}: printed less derived"), &none, &found)
+        .noted("0 as exact rational functions");
 }
 
 fn product(factors: &[&RationalFunction]) -> RationalFunction {
@@ -129,7 +131,8 @@ pub(super) fn gap_at_infinity(context: &Context, sheet: &mut Sheet) -> Result<()
     };
     let n = &context.numbers;
     let printed = n.cs * DAMPED * first(&q)? / (n.ms * n.ms * n.mu);
-    let alone = first(&Youla::new(&car, &TRAVEL)?.response(Response::Acceleration, &RationalFunction::zero()))?;
+    let alone =
+        first(&Youla::new(&car, &TRAVEL)?.response(Response::Acceleration, &RationalFunction::zero()))?;
     let both = first(&Youla::new(&car, &BOTH)?.response(Response::Acceleration, &q))?;
     let rounding = (1e-12, "but for rounding");
     sheet.within("H₁(∞) − H̄₁(∞) less c_s c_t q̃(∞)/(m_s² m_u)", "0", alone - both - printed, rounding);

@@ -19,7 +19,12 @@ enum Place {
 type Printed = (Place, &'static str, Rational);
 
 /// What the propositions of a response print at this tire damping.
-fn printed(context: &Context, response: Response, ct: f64, both: bool) -> Result<Vec<Printed>, ReproduceError> {
+fn printed(
+    context: &Context,
+    response: Response,
+    ct: f64,
+    both: bool,
+) -> Result<Vec<Printed>, ReproduceError> {
     let n = &context.numbers;
     let [ms, mu, cs, kt] = [n.ms, n.mu, n.cs, n.kt].map(decimal);
     let (ms, mu, cs, kt, ct) = (ms?, mu?, cs?, kt?, decimal(ct)?);
@@ -28,9 +33,14 @@ fn printed(context: &Context, response: Response, ct: f64, both: bool) -> Result
     let m = &ms + &mu;
     let damped = !ct.is_zero();
     let mut list: Vec<Printed> = match (response, damped) {
-        (Response::Acceleration, true) => vec![(Place::Infinity(0), "c_s c_t/(m_s m_u)", &cs * &ct / (&ms * &mu))],
+        (Response::Acceleration, true) => {
+            vec![(Place::Infinity(0), "c_s c_t/(m_s m_u)", &cs * &ct / (&ms * &mu))]
+        }
         (Response::Acceleration, false) => {
-            vec![(Place::Infinity(0), "0", zero()), (Place::Infinity(1), "k_t c_s/(m_s m_u)", &kt * &cs / (&ms * &mu))]
+            vec![
+                (Place::Infinity(0), "0", zero()),
+                (Place::Infinity(1), "k_t c_s/(m_s m_u)", &kt * &cs / (&ms * &mu)),
+            ]
         }
         (Response::Travel, true) => vec![
             (Place::Infinity(0), "0", zero()),

@@ -18,7 +18,11 @@ const TABLE: [f64; 3] = [25.0, 35.0, 50.0];
 const STEPS: usize = 20;
 
 /// Problem 5.2.1: ρ₁ = 1/‖G₁‖₂, ρ₂ = λ/‖G₂‖₂ on the outputs, γ = μ‖G₃‖∞, the blocks of the H∞ inequality (−I, −γ²I).
-pub(super) fn goals(scaled_by: &GeneralizedPlant, lambda: f64, mu: f64) -> Result<MixedGoals, ReproduceError> {
+pub(super) fn goals(
+    scaled_by: &GeneralizedPlant,
+    lambda: f64,
+    mu: f64,
+) -> Result<MixedGoals, ReproduceError> {
     let of = |row: usize| scaled_by.passive().select(&[row], &[0]);
     let outputs = vec![(0, 1.0 / of(0)?.h2_norm()?), (1, lambda / of(1)?.h2_norm()?)];
     let bound = Some(mu * of(2)?.hinf_norm()?.norm);
@@ -31,7 +35,10 @@ pub(super) fn goals(scaled_by: &GeneralizedPlant, lambda: f64, mu: f64) -> Resul
     })
 }
 
-pub(super) fn feedback(vertices: &[GeneralizedPlant], goals: &MixedGoals) -> Result<StateFeedback, ReproduceError> {
+pub(super) fn feedback(
+    vertices: &[GeneralizedPlant],
+    goals: &MixedGoals,
+) -> Result<StateFeedback, ReproduceError> {
     match robust_state_feedback(vertices, goals, &SdpSettings::default())? {
         MixedEnd::Found(found) => Ok(found),
         other => Err(ReproduceError::unexpected("problem 5.2.1", "a state feedback", other)),
@@ -66,9 +73,8 @@ pub(super) fn section(context: &Context, sheet: &mut Sheet) -> Result<(), Reprod
     sheet.count("order of §4.4's controller", 17, hybrid.controller.degree()).excused_by("E4.5");
     let unreduced = hybrid.q_hat.degree() + context.car(0.0)?.delta().degree();
     sheet.count("order of §4.4's controller, unreduced", 17, unreduced).noted("degrees of Q̂ and Δ");
-    let over_s = hybrid.responses[0].over(&crate::lti::RationalFunction::polynomial(
-        crate::lti::Polynomial::power_of_s(1),
-    ))?;
+    let over_s = hybrid.responses[0]
+        .over(&crate::lti::RationalFunction::polynomial(crate::lti::Polynomial::power_of_s(1)))?;
     sheet.count("order of the loop's T_z₁V", 8, over_s.degree()).excused_by("E4.6");
     Ok(())
 }

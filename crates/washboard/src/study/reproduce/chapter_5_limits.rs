@@ -24,7 +24,12 @@ pub(super) fn least_share(context: &Context, ct: f64, weights: &[f64; 3]) -> Res
     Ok(full_information(&plant)?.0 / plant.passive().h2_norm()?)
 }
 
-fn figure(context: &Context, sheet: &mut Sheet, weights: &[f64; 3], name: &str) -> Result<(), ReproduceError> {
+fn figure(
+    context: &Context,
+    sheet: &mut Sheet,
+    weights: &[f64; 3],
+    name: &str,
+) -> Result<(), ReproduceError> {
     let x = dampings();
     let y: Vec<f64> = x.iter().map(|ct| least_share(context, *ct, weights)).collect::<Result<_, _>>()?;
     let largest = y.iter().copied().fold(0.0, f64::max);
@@ -51,7 +56,12 @@ pub(super) fn formula(context: &Context, sheet: &mut Sheet) -> Result<(), Reprod
         for ct in [0.0, 50.0, DAMPED] {
             let plant = context.plant(ct, &TRAVEL)?.with_weights(weights)?;
             let ratio = h2_limit(&plant)?.h2 / full_information(&plant)?.0;
-            sheet.within(format!("(5.18) over the Riccati route, Λ = {name}, c_t = {ct}"), "1", ratio, TWO_ROUTES);
+            sheet.within(
+                format!("(5.18) over the Riccati route, Λ = {name}, c_t = {ct}"),
+                "1",
+                ratio,
+                TWO_ROUTES,
+            );
         }
     }
     Ok(())
@@ -64,7 +74,10 @@ pub(super) fn passive(context: &Context, sheet: &mut Sheet) -> Result<(), Reprod
     let text = "\"more than one hundred times\"";
     sheet.bound("rms z₁ over rms z₂", Relation::AtLeast, "100", found[0] / found[1]).noted(text);
     let text = "\"more than three times\"";
-    sheet.bound("rms z₂ over rms z₃", Relation::AtLeast, "3", found[1] / found[2]).excused_by("E5.5").noted(text);
+    sheet
+        .bound("rms z₂ over rms z₃", Relation::AtLeast, "3", found[1] / found[2])
+        .excused_by("E5.5")
+        .noted(text);
     Ok(())
 }
 
@@ -72,7 +85,9 @@ pub(super) fn passive(context: &Context, sheet: &mut Sheet) -> Result<(), Reprod
 pub(super) fn norms(context: &Context, sheet: &mut Sheet) -> Result<(), ReproduceError> {
     let passive = Certificate::passive(&context.plant(DAMPED, &TRAVEL)?)?;
     for ((name, digits), channel) in
-        [("‖G_z₁‖∞, 1/s", "20.2380"), ("‖G_z₂‖∞, s", "0.2739"), ("‖G_z₃‖∞, s", "0.0331")].iter().zip(&passive.channels)
+        [("‖G_z₁‖∞, 1/s", "20.2380"), ("‖G_z₂‖∞, s", "0.2739"), ("‖G_z₃‖∞, s", "0.0331")]
+            .iter()
+            .zip(&passive.channels)
     {
         sheet.printed(format!("{name}, c_t = 98"), digits, channel.hinf).excused_by("E5.7");
     }

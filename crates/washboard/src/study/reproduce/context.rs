@@ -72,7 +72,8 @@ impl Context {
 
     /// rms of z₁ z₂ z₃ (m/s², m, m) of what was certified.
     pub fn rms(&self, of: &Certificate) -> [f64; 3] {
-        let rms = |k: usize| of.channels.get(k).and_then(|c| c.h2).map_or(f64::NAN, |h| self.intensity.sqrt() * h);
+        let rms =
+            |k: usize| of.channels.get(k).and_then(|c| c.h2).map_or(f64::NAN, |h| self.intensity.sqrt() * h);
         [rms(0), rms(1), rms(2)]
     }
 
@@ -131,7 +132,11 @@ pub(super) fn frequencies(context: &Context) -> Result<Vec<f64>, ReproduceError>
 }
 
 /// |T(j2πf)| from the first input to an output.
-pub(super) fn gain(system: &StateSpace<Continuous>, output: usize, freq_hz: f64) -> Result<f64, ReproduceError> {
+pub(super) fn gain(
+    system: &StateSpace<Continuous>,
+    output: usize,
+    freq_hz: f64,
+) -> Result<f64, ReproduceError> {
     Ok(system.at(C64::new(0.0, TAU * freq_hz))?[(output, 0)].norm())
 }
 
@@ -148,7 +153,8 @@ pub(super) fn gains(
 
 /// Three printed rms values beside three computed ones.
 pub(super) fn three(sheet: &mut Sheet, of: &str, printed: [&str; 3], found: [f64; 3]) {
-    for ((z, digits), found) in ["rms z₁, m/s²", "rms z₂, m", "rms z₃, m"].iter().zip(printed).zip(found) {
+    for ((z, digits), found) in ["rms z₁, m/s²", "rms z₂, m", "rms z₃, m"].iter().zip(printed).zip(found)
+    {
         sheet.printed(format!("{z}: {of}"), digits, found);
     }
 }

@@ -70,22 +70,30 @@ pub(super) const ERRATA: &[Entry] = &[
         ["(2.49) and algorithm 2.4.1, step 3", "blocks of V without transpose", "Vᵀ"],
         errata_2::transposed_blocks,
     ),
+    entry("E2.4", ["(2.53), (2.54)", "zero block of (p − 1) × m", "(p − 1)m × m"], errata_2::zero_blocks),
     entry(
-        "E2.4",
-        ["(2.53), (2.54)", "zero block of (p − 1) × m", "(p − 1)m × m"],
-        errata_2::zero_blocks,
+        "E2.5",
+        ["(2.60), (2.74)", "zero block of m × (p − 1)", "m × (p − 1)m"],
+        errata_2::zero_blocks_beside,
     ),
-    entry("E2.5", ["(2.60), (2.74)", "zero block of m × (p − 1)", "m × (p − 1)m"], errata_2::zero_blocks_beside),
     entry("E2.6", ["(2.93)", "last factor F − APCᵀ", "its transpose"], print_only),
     entry("E2.7", ["(2.78), (2.92)", "E free", "E = Eᵀ"], print_only),
     entry(
         "E2.8",
-        ["Lemma 2.2.1, theorems 2.2.2 and 2.4.1", "N ≥ p/2 + n + 1", "2N ≥ p + 2n where no θ is 0 or π: fewer are enough"],
+        [
+            "Lemma 2.2.1, theorems 2.2.2 and 2.4.1",
+            "N ≥ p/2 + n + 1",
+            "2N ≥ p + 2n where no θ is 0 or π: fewer are enough",
+        ],
         errata_2::fewest_samples,
     ),
     entry(
         "E2.9",
-        ["After (2.30): p > 2n", "for every m", "for m = 1; for m > 1 a condition on the observability index"],
+        [
+            "Before (2.21): p > 2n",
+            "for every m",
+            "for m = 1; for m > 1 a condition on the observability index",
+        ],
         errata_2::fewer_block_rows,
     ),
     entry("E2.10", ["(A.8), (A.9)", "Λ[t]", "[t]Λ: n × n times 2n × n is not defined"], print_only),
@@ -110,7 +118,11 @@ pub(super) const ERRATA: &[Entry] = &[
         ["Example 2.3.1, intervals of θ_k", "[π/N(k − ½), π/N(k + ½)], k ≤ N", "the last interval ends at π"],
         errata_2::last_interval,
     ),
-    entry("E2.16", ["(2.91), (A.17), algorithm 2.2.1", "limits without \"= 0\", brackets", "typography"], print_only),
+    entry(
+        "E2.16",
+        ["(2.91), (A.17), after (2.103)", "limits without \"= 0\", brackets", "typography"],
+        print_only,
+    ),
     entry(
         "E3.1",
         [
@@ -127,7 +139,11 @@ pub(super) const ERRATA: &[Entry] = &[
     ),
     entry(
         "E3.3",
-        ["After (3.72), constraints for a relative degree τ", "derivatives j = 1 … τ at z = −1", "j = 0 … τ − 1"],
+        [
+            "After (3.72), constraints for a relative degree τ",
+            "derivatives j = 1 … τ at z = −1",
+            "j = 0 … τ − 1",
+        ],
         errata_3::relative_degree,
     ),
     entry(
@@ -161,7 +177,11 @@ pub(super) const ERRATA: &[Entry] = &[
         errata_4::hidden_mode,
     ),
     entry("E4.5", ["§5.2.1", "17th order controller", "9th order: the rest cancels"], errata_4::order),
-    entry("E4.6", ["§5.2.1", "order 8 of the loop", "8 and the 2 of Ψ; the whole loop has 4 + 9"], errata_4::loop_order),
+    entry(
+        "E4.6",
+        ["§5.2.1", "order 8 of the loop", "8 and the 2 of Ψ; the whole loop has 4 + 9"],
+        errata_4::loop_order,
+    ),
     entry(
         "E4.7",
         [
@@ -171,7 +191,11 @@ pub(super) const ERRATA: &[Entry] = &[
         ],
         errata_4::numerator,
     ),
-    entry("E4.8", ["(4.51)", "lim E∫₀^t_f (…) dt", "1/t_f is missing: the integral grows without end"], print_only),
+    entry(
+        "E4.8",
+        ["(4.51)", "lim E∫₀^t_f (…) dt", "1/t_f is missing: the integral grows without end"],
+        print_only,
+    ),
     entry(
         "E4.9",
         [
@@ -185,8 +209,8 @@ pub(super) const ERRATA: &[Entry] = &[
         "E4.10",
         [
             "§4.4: \"the actuator gain is seen to peak at the heave and the wheel-hop frequencies\"",
-            "heave at 1.25 Hz",
-            "the force has its peaks elsewhere and at the wheel hop",
+            "two peaks, near 1.25 and 11.03 Hz",
+            "|K| of the hybrid design has none; its force peaks at ω₂, on the figures' grid of 100 points a decade",
         ],
         errata_4::peaks,
     ),
@@ -194,7 +218,11 @@ pub(super) const ERRATA: &[Entry] = &[
     entry("E4.12", ["(4.42); conditions of Ψ", "x₃, x₄; (iv)–(vi)", "ẋ₁, ẋ₂; there is no (iii)"], print_only),
     entry(
         "E4.13",
-        ["After proposition 4.3.13, Bode's integral", "0 for every stable, minimum-phase response", "−(π/2)c_t/m_u with tire damping"],
+        [
+            "After proposition 4.3.13, Bode's integral",
+            "stated for c_t = 0 only: 0 where there are no zeros to the right",
+            "with tire damping −(π/2)c_t/m_u is added",
+        ],
         errata_4::integral,
     ),
     entry(
@@ -202,16 +230,28 @@ pub(super) const ERRATA: &[Entry] = &[
         ["§5.2.1, force \"between 59.5 and 62.5 N for all\"", "for all", "of μ = 1 only"],
         errata_5::force,
     ),
-    entry("E5.5", ["§5.1.1", "rms travel \"more than three times\" the tire's", "2.65 times"], errata_5::ratio),
+    entry(
+        "E5.5",
+        ["§5.1.1", "rms travel \"more than three times\" the tire's", "2.65 times"],
+        errata_5::ratio,
+    ),
     entry(
         "E5.6",
         ["§5.2.1, \"declining responses\"", "declining", "the active travel rises with tire damping"],
         errata_5::rising,
     ),
-    entry("E5.7", ["§5.3, scalings at c_t = 98", "20.2380, .2739", "a tenth of a per cent off"], errata_5::norms),
+    entry(
+        "E5.7",
+        ["§5.3, scalings at c_t = 98", "20.2380, .2739", "a tenth of a per cent off"],
+        errata_5::norms,
+    ),
     entry(
         "E5.10",
-        ["Table 5.1, K_p", "z₁ .4881 .4856 .4818, z₂ .0045", "of a gain that is not the optimum of the stated problem"],
+        [
+            "Table 5.1, K_p",
+            "z₁ .4881 .4856 .4818, z₂ .0045",
+            "the optimum of the stated problem has less of both",
+        ],
         errata_5::robust_gain,
     ),
 ];

@@ -26,8 +26,10 @@ const DRAWS: u32 = 200_000;
 pub(super) fn noise(_: &Context) -> Shown {
     let mut all = Vec::new();
     for (weighted, with) in [(true, "with covariance"), (false, "with R_k = 1")] {
-        let (printed, right) =
-            (spectrum_errors(NoiseOn::Spectrum, weighted, RUNS)?, spectrum_errors(NoiseOn::Amplitude, weighted, RUNS)?);
+        let (printed, right) = (
+            spectrum_errors(NoiseOn::Spectrum, weighted, RUNS)?,
+            spectrum_errors(NoiseOn::Amplitude, weighted, RUNS)?,
+        );
         all.push(shown(format!("mean H2 error {with}, 20 runs"), printed.h2, right.h2));
         all.push(shown(format!("mean sup error {with}, 20 runs"), printed.sup, right.sup));
     }
@@ -54,14 +56,22 @@ fn rounded(x: f64) -> f64 {
 pub(super) fn zero_blocks(_: &Context) -> Shown {
     let (m, p) = (2, 3);
     let beside = Mat::identity((p - 1) * m, (p - 1) * m).nrows();
-    Ok(vec![shown("m = 2, p = 3: rows of the zero block beside I of (p − 1)m", (p - 1) as f64, beside as f64)])
+    Ok(vec![shown(
+        "m = 2, p = 3: rows of the zero block beside I of (p − 1)m",
+        (p - 1) as f64,
+        beside as f64,
+    )])
 }
 
 /// Columns of [0 I] or [I 0] beside rows of the observability matrix.
 pub(super) fn zero_blocks_beside(_: &Context) -> Shown {
     let (m, p) = (2, 3);
     let wide = |zeros: usize| (m + zeros) as f64;
-    Ok(vec![shown("m = 2, p = 3: columns of the selector, where 𝒪_p has 6 rows", wide(p - 1), wide((p - 1) * m))])
+    Ok(vec![shown(
+        "m = 2, p = 3: columns of the selector, where 𝒪_p has 6 rows",
+        wide(p - 1),
+        wide((p - 1) * m),
+    )])
 }
 
 /// The least number of samples that recovers, found by trying.
@@ -71,7 +81,8 @@ pub(super) fn fewest_samples(_: &Context) -> Shown {
         let theta: Vec<f64> = (0..count).map(|k| PI * (k as f64 + 0.5) / count as f64).collect();
         let values: Vec<C64> = theta.iter().map(|t| at(&f, *t)).collect::<Result<_, _>>()?;
         let u: Vec<f64> = values.iter().map(|v| v.re).collect();
-        let Ok(model) = fit_analytic(&theta, &u, Weights::Equal, Part::Real, &AnalyticSettings::new(4, 9)) else {
+        let Ok(model) = fit_analytic(&theta, &u, Weights::Equal, Part::Real, &AnalyticSettings::new(4, 9))
+        else {
             return Ok(false);
         };
         let mut worst = 0.0f64;
@@ -93,7 +104,8 @@ pub(super) fn fewest_samples(_: &Context) -> Shown {
 /// Two channels, order 4, p = 6.
 pub(super) fn fewer_block_rows(_: &Context) -> Shown {
     let a = [[0.6, 0.4, 0.0, 0.0], [-0.4, 0.6, 0.0, 0.0], [0.0, 0.0, -0.5, 0.3], [0.0, 0.0, -0.3, -0.5]];
-    let (b, c) = ([[1.0, 0.2], [0.0, 0.5], [0.3, 1.0], [-0.4, 0.1]], [[1.0, 0.0, 0.2, 0.5], [0.1, 0.7, 1.0, 0.0]]);
+    let (b, c) =
+        ([[1.0, 0.2], [0.0, 0.5], [0.3, 1.0], [-0.4, 0.1]], [[1.0, 0.0, 0.2, 0.5], [0.1, 0.7, 1.0, 0.0]]);
     let g = StateSpace::discrete(
         Mat::from_fn(4, 4, |i, j| a[i][j]),
         Mat::from_fn(4, 2, |i, j| 0.3 * b[i][j]),
@@ -129,10 +141,7 @@ pub(super) fn mean_norm(_: &Context) -> Shown {
     let mut rng = ChaCha8Rng::seed_from_u64(1);
     let mut draw = || 0.5f64.sqrt() * rng.sample::<f64, _>(StandardNormal);
     let mean = (0..DRAWS).map(|_| draw().abs()).sum::<f64>() / f64::from(DRAWS);
-    Ok(vec![
-        shown("E|Re η|, 2·10⁵ draws", 0.5, mean),
-        shown("E|Re η|, 1/√π", 0.5, 1.0 / PI.sqrt()),
-    ])
+    Ok(vec![shown("E|Re η|, 2·10⁵ draws", 0.5, mean), shown("E|Re η|, 1/√π", 0.5, 1.0 / PI.sqrt())])
 }
 
 pub(super) fn last_interval(_: &Context) -> Shown {

@@ -6,7 +6,9 @@ use super::context::Context;
 use super::errata::shown;
 use super::item::Evidence;
 use crate::lti::{Polynomial, RationalFunction};
-use crate::subspace::{Domain, InterpolationData, Node, Point, PrintedForm, interpolate, projected_singular_values};
+use crate::subspace::{
+    Domain, InterpolationData, Node, Point, PrintedForm, interpolate, projected_singular_values,
+};
 
 type Shown = Result<Vec<Evidence>, ReproduceError>;
 

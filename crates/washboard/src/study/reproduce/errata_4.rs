@@ -25,7 +25,11 @@ pub(super) fn proposition_8(context: &Context) -> Shown {
         let list = Youla::new(&context.car(DAMPED)?, y)?.constraints(Response::Travel)?.list;
         Ok(list.iter().filter(|c| matches!(c, Constraint::AtInfinity { .. })).count() as f64)
     };
-    Ok(vec![shown("coefficients of H₂ at ∞ that are fixed: with y₂, with [y₁ y₂]", count(&TRAVEL)?, count(&BOTH)?)])
+    Ok(vec![shown(
+        "coefficients of H₂ at ∞ that are fixed: with y₂, with [y₁ y₂]",
+        count(&TRAVEL)?,
+        count(&BOTH)?,
+    )])
 }
 
 /// q̃ = m_s: conditions that are printed and broken, and all that are broken.
@@ -39,7 +43,9 @@ pub(super) fn proper_controller(context: &Context) -> Shown {
         let (found, _) = c.measured(&h1)?;
         let (broken, is_printed) = match c {
             Constraint::NotAtInfinity { value, .. } => (found == *value, false),
-            Constraint::AtZero { value, .. } | Constraint::AtInfinity { value, .. } => (found != *value, true),
+            Constraint::AtZero { value, .. } | Constraint::AtInfinity { value, .. } => {
+                (found != *value, true)
+            }
             Constraint::OnAxis { re, .. } => (found != *re, true),
         };
         all += usize::from(broken);
@@ -64,7 +70,11 @@ pub(super) fn hidden_mode(context: &Context) -> Shown {
     if let Some(mode) = hop {
         let zeta = DAMPED / (2.0 * (context.numbers.kt * context.numbers.mu).sqrt());
         all.push(shown("damping ratio of the hidden mode: c_t/(2√(k_t m_u)), found", zeta, mode.damping));
-        all.push(shown("its frequency, Hz: ω₂, found", context.car(0.0)?.invariant_omegas_rad_s().1 / TAU, mode.freq_hz));
+        all.push(shown(
+            "its frequency, Hz: ω₂, found",
+            context.car(0.0)?.invariant_omegas_rad_s().1 / TAU,
+            mode.freq_hz,
+        ));
     }
     Ok(all)
 }
@@ -136,8 +146,16 @@ pub(super) fn drop(context: &Context) -> Shown {
     let passive = context.passive_rms(DAMPED)?[0];
     let drop = |active: f64| 100.0 * (1.0 - active / passive);
     Ok(vec![
-        shown("with [y₁ y₂], %: 1 − .4900/.5259, unrounded", 100.0 * (1.0 - 0.4900 / 0.5259), drop(context.lqg_rms(DAMPED, &BOTH)?[0])),
-        shown("with y₂, %: 1 − .4895/.5259, unrounded", 100.0 * (1.0 - 0.4895 / 0.5259), drop(context.lqg_rms(DAMPED, &TRAVEL)?[0])),
+        shown(
+            "with [y₁ y₂], %: 1 − .4900/.5259, unrounded",
+            100.0 * (1.0 - 0.4900 / 0.5259),
+            drop(context.lqg_rms(DAMPED, &BOTH)?[0]),
+        ),
+        shown(
+            "with y₂, %: 1 − .4895/.5259, unrounded",
+            100.0 * (1.0 - 0.4895 / 0.5259),
+            drop(context.lqg_rms(DAMPED, &TRAVEL)?[0]),
+        ),
     ])
 }
 

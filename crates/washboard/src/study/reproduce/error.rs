@@ -60,7 +60,11 @@ pub enum ReproduceError {
 
 impl ReproduceError {
     /// A step that gave something else than the source presumes.
-    pub(super) fn unexpected(what: &'static str, expected: &'static str, found: impl std::fmt::Debug) -> Self {
+    pub(super) fn unexpected(
+        what: &'static str,
+        expected: &'static str,
+        found: impl std::fmt::Debug,
+    ) -> Self {
         ReproduceError::Unexpected { what, expected, found: format!("{found:?}") }
     }
 }

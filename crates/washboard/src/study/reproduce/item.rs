@@ -49,13 +49,17 @@ impl Check {
     pub fn excused_by(&mut self, erratum: &str) -> &mut Self {
         if !self.agrees {
             self.erratum = Some(erratum.to_owned());
+            self.noted(&format!("erratum {erratum}"));
         }
         self
     }
 
     /// Says under which reading it is compared.
     pub fn noted(&mut self, text: &str) -> &mut Self {
-        self.reference_note = Some(text.to_owned());
+        self.reference_note = Some(match self.reference_note.take() {
+            Some(before) => format!("{before}; {text}"),
+            None => text.to_owned(),
+        });
         self
     }
 
@@ -150,13 +154,20 @@ impl Sheet {
         (tolerance, reason): (f64, &str),
     ) -> &mut Check {
         let value = decimal_and_unit(digits).0;
-        self.push(quantity.into(), (value, digits.to_owned()), computed, tolerance, Relation::Equal).noted(reason)
+        self.push(quantity.into(), (value, digits.to_owned()), computed, tolerance, Relation::Equal)
+            .noted(reason)
     }
 
     /// The value of a printed formula, equal to the last bit of exact fractions.
-    pub fn exact(&mut self, quantity: impl Into<String>, formula: &Rational, computed: &Rational) -> &mut Check {
+    pub fn exact(
+        &mut self,
+        quantity: impl Into<String>,
+        formula: &Rational,
+        computed: &Rational,
+    ) -> &mut Check {
         let value = to_f64(formula);
-        let check = self.push(quantity.into(), (value, formula.to_string()), to_f64(computed), 0.0, Relation::Equal);
+        let check =
+            self.push(quantity.into(), (value, formula.to_string()), to_f64(computed), 0.0, Relation::Equal);
         check.agrees = formula == computed;
         check
     }
@@ -276,6 +287,7 @@ mod tests {
         assert_eq!(sheet.printed("right", "1.0", 1.0).excused_by("E0").erratum, None);
         let wrong = sheet.printed("wrong", "1.0", 2.0);
         assert!(!wrong.is_settled());
-        assert!(wrong.excused_by("E0").is_settled());
+        assert!(wrong.excused_by("E0").noted("why").is_settled());
+        assert_eq!(wrong.reference_note.as_deref(), Some("erratum E0; why"));
     }
 }

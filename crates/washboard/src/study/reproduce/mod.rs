@@ -133,6 +133,18 @@ pub fn reproduce(spec: &ReproduceSpec) -> Result<(ReproduceOutcome, Vec<Input>),
     Ok((ReproduceOutcome { items, titles, counts, figures, errata, skipped }, inputs()?))
 }
 
+/// Every erratum with its evidence: what `docs/errata.md` holds.
+///
+/// # Errors
+/// Evidence that cannot be computed.
+pub fn all_errata() -> Result<Vec<Erratum>, StudyError> {
+    let failed = |item: &'static str| {
+        move |source| StudyError::Reproduce { item: item.to_owned(), source: Box::new(source) }
+    };
+    let context = Context::new().map_err(failed("thesis.table-4.1"))?;
+    errata::ERRATA.par_iter().map(|e| e.computed(&context).map_err(failed(e.id))).collect()
+}
+
 /// The names that an item may be asked by, with the chapters and sources that hold some.
 #[must_use]
 pub fn reproducible() -> Vec<String> {

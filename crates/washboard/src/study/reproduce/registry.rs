@@ -61,7 +61,11 @@ pub(super) const ITEMS: &[Item] = &[
     item("thesis.prop-4.3.11", "H₂ without tire damping, [y₁ y₂]", chapter_4_propositions::p11),
     item("thesis.prop-4.3.12", "H₃ without tire damping, [y₁ y₂]", chapter_4_propositions::p12),
     item("thesis.eq-4.41", "What the travel alone cannot do", chapter_4_identities::gap_at_infinity),
-    item("thesis.sec-4.3", "Conservation law, and cars that cannot be parametrised", chapter_4_identities::section),
+    item(
+        "thesis.sec-4.3",
+        "Conservation law, and cars that cannot be parametrised",
+        chapter_4_identities::section,
+    ),
     item("thesis.eq-4.50", "The road", chapter_4_car::road),
     item("thesis.sec-4.4", "Modes, rms values, LQG designs, hybrid design", chapter_4_lqg::section),
     item("thesis.fig-4.3", "Acceleration, c_t = 0", chapter_4_figures::f3),
