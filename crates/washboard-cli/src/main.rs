@@ -42,6 +42,7 @@ enum Command {
     Sweep(commands::sweep::Arguments),
     Merge(commands::merge::Arguments),
     Interpolate(commands::interpolate::Arguments),
+    Reproduce(commands::reproduce::Arguments),
     Report(commands::report::Arguments),
 }
 
@@ -62,6 +63,7 @@ fn main() -> ExitCode {
         Command::Sweep(a) => commands::sweep::run(a, cli.output),
         Command::Merge(a) => commands::merge::run(a, cli.output),
         Command::Interpolate(a) => commands::interpolate::run(a, cli.output),
+        Command::Reproduce(a) => commands::reproduce::run(a, cli.output),
         Command::Report(a) => commands::report::run(a, cli.output),
     };
     run.unwrap_or_else(|failure| failure.exit(cli.output))

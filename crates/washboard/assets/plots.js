@@ -19,9 +19,11 @@ const plots = (() => {
     "singular": { stroke: "#9fb4c3", width: 1 },
     "before": { stroke: "#0b4a72", width: 1.2, joined: true },
     "after": { stroke: "#c2470b", width: 1.2, joined: true },
+    "line": { width: 1.5 },
     "poles": { sign: 3.2 },
     "estimates": { sign: 4 },
   };
+  const lines = [["#0b4a72"], ["#c2470b", [7, 4]], ["#3a7d44", [2, 3]], [ink, [9, 3, 2, 3]], ["#7b4ea3", [4, 2]]];
   const isLow = (s) => s.role === "low" || s.role === "measured-low";
   const isEnd = (s) => isLow(s) || s.role === "high" || s.role === "measured-high";
 
@@ -43,7 +45,8 @@ const plots = (() => {
   const scale = (spec) => ({ time: false, distr: spec.log ? 3 : 1, ...(spec.range ? { range: spec.range } : {}) });
 
   function series(s) {
-    const style = styles[s.role];
+    const [stroke, dash] = lines[(s.sign || 0) % lines.length];
+    const style = s.role === "line" ? { ...styles.line, stroke, dash } : styles[s.role];
     const out = { label: s.label, stroke: style.stroke, scale: s.second ? "second" : "y", pxAlign: 0, value: (u, v) => numbers.value(v) };
     if (style.sign) {
       const sign = overlay.signOf(s.sign || 0);

@@ -11,7 +11,7 @@ use serde_json::Value;
 use std::path::Path;
 use washboard::study::{
     CompareOutcome, DampingOutcome, DesignOutcome, DriveTruth, Envelope, IdentifyOutcome, ModesOutcome,
-    ModesSpec, RespondOutcome, RideOutcome, SimulateOutcome, Spec, modes,
+    ModesSpec, ReproduceOutcome, RespondOutcome, RideOutcome, SimulateOutcome, Spec, modes,
 };
 
 fn golden(name: &str) -> Value {
@@ -36,6 +36,7 @@ fn specifications_keep_their_keys() {
         "compare",
         "damping",
         "design",
+        "reproduce",
         "sweep",
         "respond",
         "road-fit",
@@ -61,6 +62,7 @@ fn outcomes_keep_their_keys() {
     comes_out_the_same::<Envelope<IdentifyOutcome>>("outcome-identify.json");
     comes_out_the_same::<Envelope<CompareOutcome>>("outcome-compare.json");
     comes_out_the_same::<Envelope<DesignOutcome>>("outcome-design.json");
+    comes_out_the_same::<Envelope<ReproduceOutcome>>("outcome-reproduce.json");
     comes_out_the_same::<Envelope<RespondOutcome>>("outcome-respond.json");
 }
 

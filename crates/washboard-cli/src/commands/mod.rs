@@ -10,6 +10,7 @@ pub mod interpolate;
 pub mod merge;
 pub mod modes;
 pub mod report;
+pub mod reproduce;
 pub mod respond;
 pub mod ride;
 pub mod road;

@@ -7,15 +7,16 @@ use serde::Serialize;
 use std::path::PathBuf;
 use std::process::ExitCode;
 use washboard::files::write_whole;
-use washboard::report::{compare_page, design_page, identify_page, sweep_page};
+use washboard::report::{compare_page, design_page, identify_page, reproduce_page, sweep_page};
 use washboard::study::{
-    CompareOutcome, Envelope, SweepDirectory, is_result_of, read_design, read_identification, read_result,
+    CompareOutcome, Envelope, ReproduceOutcome, SweepDirectory, is_result_of, read_design,
+    read_identification, read_result,
 };
 
 /// Write report.html again from result.json.
 #[derive(Debug, Args)]
 pub struct Arguments {
-    /// What `identify -o DIR`, `demo -o DIR`, `compare -o DIR`, `design -o DIR` or `sweep -o DIR` wrote.
+    /// What `identify -o DIR`, `demo -o DIR`, `compare -o DIR`, `design -o DIR`, `sweep -o DIR` or `reproduce -o DIR` wrote.
     #[arg(value_name = "DIR")]
     directory: PathBuf,
 }
@@ -42,6 +43,9 @@ pub fn run(arguments: Arguments, output: Output) -> Result<ExitCode, Failure> {
         let title =
             PathBuf::from(title).file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
         (result.inputs, design_page(&result.outcome, &title))
+    } else if is_result_of(&arguments.directory, "reproduce") {
+        let result = read_result::<ReproduceOutcome>(&file)?;
+        (result.inputs, reproduce_page(&result.outcome))
     } else {
         let (_, result) = read_identification(&file)?;
         let title = match result.command.as_str() {

@@ -52,7 +52,8 @@ pub fn write_directory(dir: &Path, files: &[(&str, Vec<u8>)], overwrite: bool) -
     build_directory(dir, |building| {
         files.iter().try_for_each(|(file, bytes)| {
             let path = building.join(file);
-            fs::write(&path, bytes).map_err(|source| FileError::Write { path, source })
+            let folder = path.parent().map_or(Ok(()), fs::create_dir_all);
+            folder.and_then(|()| fs::write(&path, bytes)).map_err(|source| FileError::Write { path, source })
         })
     })
 }
@@ -91,7 +92,7 @@ pub fn build_directory<E: From<FileError>>(
 }
 
 /// What a result's directory may hold. Overwriting takes the directory away as a whole: nobody's data may be in it.
-const RESULT_FILES: [&str; 7] = [
+const RESULT_FILES: [&str; 9] = [
     "result.json",
     "report.html",
     "vehicle.toml",
@@ -99,14 +100,22 @@ const RESULT_FILES: [&str; 7] = [
     "controller.json",
     "controller.mat",
     "controller.h",
+    "errata.md",
+    FIGURES,
 ];
+/// A folder of figures: SVG files and nothing else.
+const FIGURES: &str = "figures";
 
 /// The first entry of a directory that is not a result's.
 fn stranger(dir: &Path) -> Option<String> {
-    let entries = fs::read_dir(dir).ok()?.flatten();
-    entries
-        .map(|e| e.file_name().to_string_lossy().into_owned())
-        .find(|n| !RESULT_FILES.contains(&n.as_str()))
+    let names = |dir: &Path| {
+        let entries = fs::read_dir(dir).map(|d| d.flatten().collect::<Vec<_>>()).unwrap_or_default();
+        entries.into_iter().map(|e| e.file_name().to_string_lossy().into_owned()).collect::<Vec<_>>()
+    };
+    let figure = |n: &String| Path::new(n).extension().is_some_and(|e| e == "svg");
+    let of_figures =
+        names(&dir.join(FIGURES)).into_iter().find(|n| !figure(n)).map(|n| format!("{FIGURES}/{n}"));
+    names(dir).into_iter().find(|n| !RESULT_FILES.contains(&n.as_str())).or(of_figures)
 }
 
 /// Refuses a directory that is a file, or that has something in it and may not be overwritten: to be asked before work

@@ -104,6 +104,8 @@ pub(super) enum Role {
     Before,
     /// The later one.
     After,
+    /// One of several computed curves; its sign gives colour and dashes.
+    Line,
     /// Ends of an interval about the measured curve.
     MeasuredHigh,
     /// The lower one.

@@ -110,6 +110,14 @@ pub enum StudyError {
         /// Why.
         source: Box<SubspaceError>,
     },
+    /// A published item that cannot be computed.
+    #[error("{item}: {source}")]
+    Reproduce {
+        /// Its name.
+        item: String,
+        /// Why.
+        source: Box<super::ReproduceError>,
+    },
     /// A drive that cannot be simulated.
     #[error(transparent)]
     Simulate(#[from] SimulateError),
@@ -139,7 +147,7 @@ impl StudyError {
             }
             StudyError::Linearise { source: LineariseError::Ride(source), .. } => !numerical(source),
             StudyError::Linearise { source: LineariseError::NotConverged { .. }, .. } => false,
-            StudyError::Simulate(SimulateError::Steps { .. }) => false,
+            StudyError::Simulate(SimulateError::Steps { .. }) | StudyError::Reproduce { .. } => false,
             StudyError::Measure { source: MetricsError::Linalg(_), .. } => false,
             StudyError::Shape { source, .. } => !matches!(
                 **source,

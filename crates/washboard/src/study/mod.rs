@@ -72,6 +72,7 @@ mod parts;
 mod physical_inputs;
 mod physical_notes;
 mod profile_file;
+mod reproduce;
 mod respond;
 mod ride;
 mod road_analytic;
@@ -142,6 +143,10 @@ pub use load::{
 };
 pub use modes::{ModesOutcome, VehicleMode, VehicleModeKind, modes};
 pub use named::Named;
+pub use reproduce::{
+    Check, Counts, Curve, Erratum, Evidence, Figure, Relation, ReproduceError, ReproduceOutcome,
+    ReproduceSpec, Titled, all_errata, errata_markdown, reproduce, reproducible,
+};
 pub use respond::{BumpOutcome, Direction, GainsOutcome, RespondOutcome, respond};
 pub use ride::{Infinite, RideOutcome, RideSpectra, Rms, ride};
 pub use road_analytic::{AnalyticSamples, RoadAnalyticOutcome, RoadAnalyticRun, road_analytic};

@@ -26,6 +26,8 @@ pub enum Spec {
     Damping(DampingSpec),
     /// See [`compare`](super::compare).
     Compare(CompareSpec),
+    /// See [`reproduce`](super::reproduce).
+    Reproduce(super::ReproduceSpec),
     /// See [`interpolate_file`](super::interpolate_file).
     Interpolate(super::InterpolateSpec),
     /// See [`design`](super::design).

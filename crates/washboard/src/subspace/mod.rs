@@ -20,8 +20,9 @@ pub use analytic::{AnalyticModel, AnalyticSettings, Part, fit_analytic, magnitud
 pub use error::SubspaceError;
 pub use factor::{SpectralFactor, spectral_factor};
 pub use interpolation::{
-    Bounded, Domain, Interpolant, InterpolationData, Measured, Node, Point, PrintedForm, Realisation, Side,
-    fit_response, interpolate, interpolate_bounded, loewner, projected_singular_values,
+    Bounded, Domain, Interpolant, InterpolationData, Measured, Node, Point, PrintedForm, PrintedSteps,
+    Realisation, Side, fit_response, interpolate, interpolate_bounded, loewner, printed_steps,
+    projected_singular_values,
 };
 pub use positivity::Repair;
 pub use range::Route;

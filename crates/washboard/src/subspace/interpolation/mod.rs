@@ -23,5 +23,5 @@ pub use evaluate::Realisation;
 pub use interpolate::{Interpolant, interpolate};
 pub use loewner::loewner;
 pub use pick::{Bounded, interpolate_bounded};
-pub use printed::{PrintedForm, projected_singular_values};
+pub use printed::{PrintedForm, PrintedSteps, printed_steps, projected_singular_values};
 pub use response::{Measured, fit_response};

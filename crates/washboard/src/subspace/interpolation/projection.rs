@@ -10,7 +10,9 @@ const DEPENDENT: f64 = 1e-11;
 
 /// The observability range in a basis of polynomials: block row i is C φ_i(A).
 pub(super) struct Range {
-    /// Left singular vectors of R₂₂, pq rows.
+    /// R₂₂ of (3.46), pq rows: lower triangular.
+    pub r22: Mat,
+    /// Its left singular vectors.
     pub u: Mat,
     pub singular_values: Vec<f64>,
     /// Norm of the data: what singular values are rounding of.
@@ -70,7 +72,8 @@ impl Range {
         let explained = (q * m).min(r.nrows());
         let (low, high) =
             (0..explained).map(pivot).fold((f64::INFINITY, 0.0f64), |(l, h), x| (l.min(x), h.max(x)));
-        Ok(Self { u: svd.U().to_owned(), singular_values, size, basis, pivots: low / high })
+        let u = svd.U().to_owned();
+        Ok(Self { u, r22, singular_values, size, basis, pivots: low / high })
     }
 
     /// In orthogonal polynomials, q lowered until F has full rank: directions may have few nodes each.

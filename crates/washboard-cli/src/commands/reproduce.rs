@@ -1,0 +1,124 @@
+//! `washboard reproduce`: published numbers, figures and errors, computed again.
+
+use crate::output::{Failure, Output};
+use crate::table::{Table, wrapped};
+use clap::Args;
+use std::fmt::Write;
+use std::path::PathBuf;
+use std::process::ExitCode;
+use washboard::files::{check_target_directory, write_directory};
+use washboard::report::{figure_svg, reproduce_page};
+use washboard::study::{
+    Check, Envelope, Relation, ReproduceOutcome, ReproduceSpec, errata_markdown, reproduce,
+};
+
+/// Compute published numbers again, and say which agree, which are errors of the source, and why.
+#[derive(Debug, Args)]
+pub struct Arguments {
+    /// Items such as thesis.fig-4.3, or all of thesis.ch-4 or thesis; everything without.
+    #[arg(value_name = "ITEM")]
+    items: Vec<String>,
+    /// Leave out long searches and simulations.
+    #[arg(long)]
+    quick: bool,
+    /// Write result.json, report.html, errata.md and figures/*.svg here.
+    #[arg(short, long, value_name = "DIR")]
+    output: Option<PathBuf>,
+    /// Replace a directory that is not empty.
+    #[arg(long)]
+    overwrite: bool,
+}
+
+/// Computes, writes, prints; 1 where a number neither agrees nor is excused.
+pub fn run(a: Arguments, output: Output) -> Result<ExitCode, Failure> {
+    if let Some(dir) = &a.output {
+        check_target_directory(dir, a.overwrite)?;
+    }
+    let progress = output.progress("reproducing");
+    let (outcome, inputs) = reproduce(&ReproduceSpec { items: a.items, quick: a.quick })?;
+    drop(progress);
+    let envelope = Envelope::new("reproduce", inputs, outcome);
+    if let Some(dir) = &a.output {
+        let o = &envelope.outcome;
+        let figures: Vec<(String, Vec<u8>)> = o
+            .figures
+            .iter()
+            .map(|f| (format!("figures/{}.svg", f.name), figure_svg(f).into_bytes()))
+            .collect();
+        let mut files = vec![
+            ("result.json", envelope.to_json().into_bytes()),
+            ("report.html", reproduce_page(o).into_bytes()),
+            ("errata.md", errata_markdown(&o.errata).into_bytes()),
+        ];
+        files.extend(figures.iter().map(|(name, svg)| (name.as_str(), svg.clone())));
+        write_directory(dir, &files, a.overwrite)?;
+    }
+    let place =
+        a.output.map(|dir| format!("wrote {}\n", dir.join("report.html").display())).unwrap_or_default();
+    output.print(&envelope, |o| table(o) + &place)?;
+    Ok(if envelope.outcome.counts.open == 0 { ExitCode::SUCCESS } else { ExitCode::from(1) })
+}
+
+fn table(o: &ReproduceOutcome) -> String {
+    let mut text = String::new();
+    for titled in &o.titles {
+        let own: Vec<&Check> = o.items.iter().filter(|c| c.item == titled.item).collect();
+        if own.is_empty() {
+            continue;
+        }
+        let _ = writeln!(text, "{}: {}", titled.item, titled.title);
+        let mut rows = Table::new(&["<quantity", "published", "computed", "tolerance", "<agrees", "<note"]);
+        for c in own {
+            rows.row(cells(c));
+        }
+        text += &rows.text();
+        text.push('\n');
+    }
+    for e in &o.errata {
+        text += &wrapped(&format!("{}, {}: {}. Right: {}.", e.id, e.place, e.printed, e.right));
+    }
+    if !o.figures.is_empty() {
+        let names: Vec<&str> = o.figures.iter().map(|f| f.name.as_str()).collect();
+        text += &wrapped(&format!("figures: {} (-o DIR writes them)", names.join(", ")));
+    }
+    if !o.skipped.is_empty() {
+        text += &wrapped(&format!("left out by --quick: {}", o.skipped.join(", ")));
+    }
+    let c = &o.counts;
+    let _ = writeln!(
+        text,
+        "{} of {} numbers agree; {} are errors of the source, {} differ without an excuse",
+        c.agree, c.checks, c.excused, c.open
+    );
+    text
+}
+
+fn cells(c: &Check) -> Vec<String> {
+    let sign = match c.relation {
+        Relation::Equal => "",
+        Relation::AtMost => "≤ ",
+        Relation::AtLeast => "≥ ",
+    };
+    let agrees = match (c.agrees, &c.erratum) {
+        (true, _) => "yes".to_owned(),
+        (false, Some(id)) => format!("no, {id}"),
+        (false, None) => "no".to_owned(),
+    };
+    let short = |x: f64| {
+        let kept: f64 = format!("{x:.6e}").parse().unwrap_or(x);
+        if kept != 0.0 && !(1e-4..1e7).contains(&kept.abs()) {
+            format!("{kept:e}")
+        } else {
+            (kept + 0.0).to_string()
+        }
+    };
+    let note = c.reference_note.clone().unwrap_or_default();
+    vec![
+        c.quantity.clone(),
+        format!("{sign}{}", c.printed),
+        short(c.computed),
+        short(c.tolerance),
+        agrees,
+        note,
+    ]
+}
