@@ -13,7 +13,7 @@ const LINES: [(&str, &str); 5] =
 const TICKS: usize = 8;
 /// Below so many decades a logarithmic axis has ticks at 2 and 5, too.
 const FEW_DECADES: f64 = 2.5;
-/// A tick this near beyond an end is the end, in decades.
+/// A tick this near beyond an end is the end, in decades or steps.
 const NEAR: f64 = 1e-9;
 
 /// The SVG file of a figure; values that an axis cannot show are gaps.
@@ -82,7 +82,7 @@ impl Scale {
         let (low, high) = shown.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)));
         let ends = match high - low {
             d if d > 0.0 => [low, high],
-            d if d == 0.0 => [low - 0.5, high + 0.5],
+            0.0 => [low - 0.5, high + 0.5],
             _ => [0.0, 1.0],
         };
         Scale { log, ends, at }
@@ -110,7 +110,7 @@ impl Scale {
         let raw = (high - low) / (TICKS - 2) as f64;
         let power = 10f64.powf(raw.log10().floor());
         let step = power * [1.0, 2.0, 5.0, 10.0].into_iter().find(|m| m * power >= raw).unwrap_or(10.0);
-        let (first, last) = ((low / step).ceil() as i64, (high / step).floor() as i64);
+        let (first, last) = ((low / step - NEAR).ceil() as i64, (high / step + NEAR).floor() as i64);
         (first..=last).map(|k| k as f64 * step).map(|v| (v, written(v))).collect()
     }
 }
@@ -196,6 +196,6 @@ mod tests {
         assert_eq!(texts(scale(0.3, 25.0, true)), ["0.5", "1", "2", "5", "10", "20"]);
         assert_eq!(texts(scale(0.0, 100.0, false)), ["0", "20", "40", "60", "80", "100"]);
         assert_eq!(texts(scale(0.03, 0.09, true)), ["0.03", "0.04", "0.05", "0.06", "0.07", "0.08", "0.09"]);
-        assert_eq!(texts(scale(2.0, 2.0, false)).len(), 6);
+        assert_eq!(texts(scale(2.0, 2.0, false)), ["1.6", "1.8", "2", "2.2", "2.4"]);
     }
 }
