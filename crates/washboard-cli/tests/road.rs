@@ -185,7 +185,7 @@ fn wrong_files_and_failures_have_their_status() {
     folder.wrong("road fit B.csv", &[found]);
     let rows = "kind = \"filter\"\na = [[-1.0]]\nb = [[1.0, 0.0]]\nc = [1.0]\n";
     fs::write(folder.0.join("M.toml"), rows).unwrap();
-    folder.wrong("road fit M.toml", &["M.toml:3: invalid type: sequence", "kind = \"matrix-filter\""]);
+    folder.wrong("road fit M.toml", &["M.toml:3: b: invalid type: sequence", "kind = \"matrix-filter\""]);
     folder
         .wrong("identify S.csv", &["S.csv:1: ", "A RUN.toml is expected", "(data = \"S.csv\")", "simulate"]);
     let out = folder.run("road fit S.csv --order -1");

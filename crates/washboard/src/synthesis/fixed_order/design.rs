@@ -9,7 +9,7 @@ use super::structure::{Entry, Structure, controller_of};
 use super::targets::{Aim, Measure, Target};
 use super::verify::{self, Values};
 use super::{full_order, starts};
-use crate::lti::{Continuous, StateSpace};
+use crate::lti::{Continuous, LtiError, StateSpace};
 use crate::optimize::{BundleResult, BundleSettings, Pieces};
 use crate::synthesis::SynthesisError;
 use rayon::prelude::*;
@@ -161,12 +161,24 @@ fn one_order(
     let found = settled(asked, &mut problem, results, settings, &long)?;
     let end = match found {
         None => FixedOrderEnd::NotStabilised { abscissa: least, work },
+        Some((_, controller, _))
+            if slowest_mode(asked, &controller)? > MET * problem.scales.pace - asked.margin_rad_s =>
+        {
+            FixedOrderEnd::NotStabilised { abscissa: slowest_mode(asked, &controller)?, work }
+        }
         Some((best, controller, values)) => {
             FixedOrderEnd::of(describe(asked, &problem, &best, controller, &values, settings.seed)?)
         }
     };
     work.count(&problem);
     Ok((end, work))
+}
+
+/// The largest real part of a pole of any loop, rad/s.
+fn slowest_mode(asked: &FixedOrder, controller: &StateSpace<Continuous>) -> Result<f64, LtiError> {
+    asked.plants.iter().try_fold(f64::NEG_INFINITY, |worst: f64, plant| {
+        Ok(plant.close(controller)?.least_stable_pole()?.map_or(worst, |(_, margin)| worst.max(-margin)))
+    })
 }
 
 type Settled = (BundleResult<Id>, StateSpace<Continuous>, Values);

@@ -15,6 +15,9 @@ const RADIUS: f64 = 1e-4;
 /// A peak counts as active whose weight is at least this share of all weights.
 const ACTIVE: f64 = 1e-3;
 
+/// A bound is not at its limit that is below it by more than this share.
+const ROOM: f64 = 5e-3;
+
 /// How it ended.
 #[derive(Debug, Clone)]
 pub enum FixedOrderEnd {
@@ -144,7 +147,9 @@ pub(super) fn describe(
                 violation = violation.max(excess);
             }
         }
-        let of_target = || best.active.iter().filter(|(p, _)| p.id.target == k);
+        // a bound with room holds nothing, whatever the last step's model weighed it by
+        let has_room = matches!((t.aim, &t.measure), (Aim::Bound(limit), Measure::Hinf(_) | Measure::H2(_)) if *value < (1.0 - ROOM) * limit);
+        let of_target = || best.active.iter().filter(|(p, _)| p.id.target == k && !has_room);
         let mut active_rad_s: Vec<f64> = of_target()
             .filter(|(_, w)| *w >= ACTIVE * all)
             .filter_map(|(p, _)| match p.id.of {
