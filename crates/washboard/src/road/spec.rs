@@ -201,7 +201,7 @@ pub(super) fn need<T>(field: &'static str, value: Option<T>) -> Result<T, RoadEr
 /// Rows where a number was expected are a matrix filter's.
 fn of_a_matrix(e: FileError) -> FileError {
     match e {
-        FileError::Content { path, line, message } if message.starts_with("invalid type: sequence") => {
+        FileError::Content { path, line, message } if message.contains("invalid type: sequence") => {
             let message = format!("{message}; rows of several channels are of kind = \"matrix-filter\"");
             FileError::Content { path, line, message }
         }
