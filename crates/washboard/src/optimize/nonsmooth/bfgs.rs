@@ -8,6 +8,8 @@ const ENOUGH: f64 = 1e-4;
 const FLATTER: f64 = 0.5;
 /// Halvings and doublings of a step, at most.
 const MOST_TRIES: usize = 50;
+/// After so many, a step that gains is taken as it is: where kinks lie close the slope may never flatten.
+const PATIENT: usize = 12;
 
 /// When to stop.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -85,7 +87,7 @@ pub fn bfgs(
         let mut t = if fresh { ((1.0 + dot(&x, &x).sqrt()) / length * 0.1).min(1.0) } else { 1.0 };
         let (mut low, mut high) = (0.0, f64::INFINITY);
         let mut found = None;
-        for _ in 0..MOST_TRIES {
+        for tries in 1..=MOST_TRIES {
             let next: Vec<f64> = x.iter().zip(&d).map(|(x, d)| x + t * d).collect();
             evaluations += 1;
             let tried = of(&next).filter(|(v, g)| v.is_finite() && g.iter().all(|v| v.is_finite()));
@@ -105,7 +107,7 @@ pub fn bfgs(
                 _ => high = t,
             }
             t = if high < f64::INFINITY { 0.5 * (low + high) } else { 2.0 * t };
-            if high - low < 1e-15 * high {
+            if high - low < 1e-15 * high || (tries >= PATIENT && found.is_some()) {
                 break;
             }
         }
@@ -186,5 +188,14 @@ mod tests {
         assert!(found.end == BfgsEnd::Flat && found.evaluations < 60, "{found:?}");
         assert!((found.x[0] - 2.0).abs() < 1e-9 && (found.x[1] + 1.0).abs() < 1e-9, "{found:?}");
         assert!(bfgs(&[3.0, 0.0], &settings, of).is_none());
+    }
+
+    #[test]
+    fn where_the_slope_never_flattens_a_gain_is_enough() {
+        // down to a wall at 1: bisection alone would go on to rounding
+        let of = |x: &[f64]| (x[0] < 1.0).then(|| (-x[0], vec![-1.0]));
+        let settings = BfgsSettings { iterations: 1, enough: f64::NEG_INFINITY, flat: 0.0 };
+        let found = bfgs(&[0.0], &settings, of).unwrap();
+        assert!(found.evaluations <= 1 + PATIENT && found.x[0] > 0.9, "{found:?}");
     }
 }

@@ -72,70 +72,119 @@ pub struct BundleResult<I> {
 /// Source: Fletcher, *Practical Methods of Optimization*, 2nd ed., ch. 14 (penalty, steps); Apkarian and Noll, IEEE Trans.
 /// Automat. Control 51 (2006) 71–86 (bundles over frequencies); Nocedal and Wright, procedure 18.2 (damping).
 pub fn minimize<P: Pieces>(problem: &P, x: &[f64], settings: &BundleSettings) -> Option<BundleResult<P::Id>> {
-    let pieces = problem.pieces(x)?;
-    let mut state = State::at(problem, x, pieces, settings);
-    let (mut end, mut iterations, mut confirmed) = (BundleEnd::Budget, 0, 0);
-    let mut last = None;
-    // goal and violation: the penalty of then is not that of now
-    let (mut history, mut slow) = (vec![Levels::of(&state.pieces)], 0);
-    while iterations < settings.iterations && state.evaluations < settings.evaluations {
-        iterations += 1;
-        match state.advance() {
-            Advance::Moved => {
-                last = None;
-                let now = Levels::of(&state.pieces);
-                let gained = |before: Levels| before.merit(state.penalty) - now.merit(state.penalty);
-                if history.last().is_some_and(|before| gained(*before) > settings.tolerance) {
-                    confirmed = 0;
+    let mut descent = Descent::from(problem, x, settings)?;
+    descent.to(settings.iterations);
+    Some(descent.result())
+}
+
+/// The way down of [`minimize`], which can be stopped and gone on with: nothing is forgotten between.
+pub struct Descent<'a, P: Pieces> {
+    state: State<'a, P>,
+    settings: BundleSettings,
+    iterations: usize,
+    end: Option<BundleEnd>,
+    /// Steps in a row that said that nothing is to be gained.
+    confirmed: usize,
+    /// What the last of them said holds x.
+    last: Option<Vec<(SmoothPiece<P::Id>, f64)>>,
+    /// Levels and not merits: the penalty of then is not that of now.
+    history: Vec<Levels>,
+    slow: usize,
+}
+
+impl<'a, P: Pieces> Descent<'a, P> {
+    /// At x, no step made; none where the functions are not defined there.
+    pub fn from(problem: &'a P, x: &[f64], settings: &BundleSettings) -> Option<Self> {
+        let state = State::at(problem, x, problem.pieces(x)?, *settings);
+        Some(Descent {
+            history: vec![Levels::of(&state.pieces)],
+            state,
+            settings: *settings,
+            iterations: 0,
+            end: None,
+            confirmed: 0,
+            last: None,
+            slow: 0,
+        })
+    }
+
+    /// The goal and how far the bounds are exceeded, where it stands.
+    pub fn stands(&self) -> (f64, f64) {
+        let levels = Levels::of(&self.state.pieces);
+        (levels.goal, levels.bound.max(levels.edge))
+    }
+
+    /// On, until so many steps are made in all or there is nothing more to gain.
+    pub fn to(&mut self, iterations: usize) {
+        let most = iterations.min(self.settings.iterations);
+        while self.end.is_none()
+            && self.iterations < most
+            && self.state.evaluations < self.settings.evaluations
+        {
+            self.iterations += 1;
+            match self.state.advance() {
+                Advance::Moved => self.moved(),
+                Advance::Flat(weights) => {
+                    self.last = Some(weights);
+                    self.nothing(BundleEnd::Converged);
                 }
-                history.push(now);
-                let before = history.len().checked_sub(PATIENCE).map(|k| gained(history[k]));
-                match before {
-                    Some(gained) if gained < SLOW * settings.tolerance => {
-                        slow += 1;
-                        if slow == 2 {
-                            end = BundleEnd::NoStep;
-                            break;
-                        }
-                        history = vec![now];
-                        state.forget_curvature();
-                    }
-                    Some(_) => slow = 0,
-                    None => {}
-                }
-            }
-            Advance::Flat(weights) => {
-                last = Some(weights);
-                confirmed += 1;
-                if confirmed == 2 {
-                    end = BundleEnd::Converged;
-                    break;
-                }
-                state.forget_curvature();
-            }
-            Advance::Stuck => {
-                confirmed += 1;
-                if confirmed == 2 {
-                    end = BundleEnd::NoStep;
-                    break;
-                }
-                state.forget_curvature();
+                Advance::Stuck => self.nothing(BundleEnd::NoStep),
             }
         }
     }
-    let levels = Levels::of(&state.pieces);
-    let active = match last {
-        Some(active) => active,
-        None => state.weighted(),
-    };
-    Some(BundleResult {
-        goal: levels.goal,
-        violation: levels.bound.max(levels.edge),
-        active,
-        penalty: state.penalty,
-        iterations,
-        evaluations: state.evaluations,
-        end,
-        x: state.x,
-    })
+
+    /// After a step: whether the last many of them gained anything.
+    fn moved(&mut self) {
+        self.last = None;
+        let now = Levels::of(&self.state.pieces);
+        let penalty = self.state.penalty;
+        let gained = |before: &Levels| before.merit(penalty) - now.merit(penalty);
+        if self.history.last().is_some_and(|before| gained(before) > self.settings.tolerance) {
+            self.confirmed = 0;
+        }
+        self.history.push(now);
+        let before = self.history.len().checked_sub(PATIENCE).map(|k| gained(&self.history[k]));
+        match before {
+            Some(gained) if gained < SLOW * self.settings.tolerance => {
+                self.slow += 1;
+                if self.slow == 2 {
+                    self.end = Some(BundleEnd::NoStep);
+                    return;
+                }
+                self.history = vec![now];
+                self.state.forget_curvature();
+            }
+            Some(_) => self.slow = 0,
+            None => {}
+        }
+    }
+
+    /// Nothing to gain; said twice, the second time with all curvature forgotten, it is the end.
+    fn nothing(&mut self, end: BundleEnd) {
+        self.confirmed += 1;
+        if self.confirmed == 2 {
+            self.end = Some(end);
+        } else {
+            self.state.forget_curvature();
+        }
+    }
+
+    /// Where it stands, with what holds it.
+    pub fn result(mut self) -> BundleResult<P::Id> {
+        let (goal, violation) = self.stands();
+        let active = match self.last.take() {
+            Some(active) => active,
+            None => self.state.weighted(),
+        };
+        BundleResult {
+            goal,
+            violation,
+            active,
+            penalty: self.state.penalty,
+            iterations: self.iterations,
+            evaluations: self.state.evaluations,
+            end: self.end.unwrap_or(BundleEnd::Budget),
+            x: self.state.x,
+        }
+    }
 }

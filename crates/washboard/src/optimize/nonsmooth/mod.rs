@@ -12,6 +12,6 @@ mod steps;
 mod tests;
 
 pub use bfgs::{BfgsEnd, BfgsResult, BfgsSettings, bfgs};
-pub use bundle::{BundleEnd, BundleResult, BundleSettings, minimize};
+pub use bundle::{BundleEnd, BundleResult, BundleSettings, Descent, minimize};
 pub use pieces::{Pieces, Role, SmoothPiece};
 pub use sampled::{Sampled, sampled_subdifferential};

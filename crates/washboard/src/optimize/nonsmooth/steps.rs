@@ -54,7 +54,7 @@ struct Learnt<I> {
 /// Where the search is, and what it knows.
 pub(super) struct State<'a, P: Pieces> {
     problem: &'a P,
-    settings: &'a BundleSettings,
+    settings: BundleSettings,
     /// The inverse matrix; empty where nothing is known.
     w: Vec<f64>,
     fresh: bool,
@@ -70,12 +70,7 @@ pub(super) struct State<'a, P: Pieces> {
 
 impl<'a, P: Pieces> State<'a, P> {
     /// At x, with its pieces, nothing known.
-    pub fn at(
-        problem: &'a P,
-        x: &[f64],
-        pieces: Vec<SmoothPiece<P::Id>>,
-        settings: &'a BundleSettings,
-    ) -> Self {
+    pub fn at(problem: &'a P, x: &[f64], pieces: Vec<SmoothPiece<P::Id>>, settings: BundleSettings) -> Self {
         State {
             problem,
             settings,

@@ -1,7 +1,8 @@
 //! The bundle method and the sampled subdifferential on functions whose minima are known.
 
 use super::{
-    BundleEnd, BundleResult, BundleSettings, Pieces, Role, SmoothPiece, minimize, sampled_subdifferential,
+    BundleEnd, BundleResult, BundleSettings, Descent, Pieces, Role, SmoothPiece, minimize,
+    sampled_subdifferential,
 };
 
 type Smooth = fn(&[f64]) -> (f64, Vec<f64>);
@@ -267,4 +268,22 @@ fn an_exceeded_bound_pulls_with_all_its_penalty() {
     };
     let at = |x: f64| sampled_subdifferential(&torn, &[x, 0.0], 7.0, 1e-5, 10, 7).unwrap().distance;
     assert!(at(0.0) < 1e-6 && (at(0.5) - 7.0).abs() < 1e-6, "{} {}", at(0.0), at(0.5));
+}
+
+#[test]
+fn a_descent_that_is_stopped_goes_on_as_if_it_had_not_been() {
+    let problem = two_bowls(0.1);
+    let settings = BundleSettings::default();
+    let whole = minimize(&problem, &[3.0, -1.0], &settings).unwrap();
+    assert!(whole.iterations > 4, "{whole:?}");
+    let mut parts = Descent::from(&problem, &[3.0, -1.0], &settings).unwrap();
+    let mut stood = parts.stands();
+    for steps in [1, 2, 4] {
+        parts.to(steps);
+        assert!(parts.stands() != stood, "{steps}: no step was made from {stood:?}");
+        stood = parts.stands();
+    }
+    parts.to(settings.iterations);
+    let parts = parts.result();
+    assert_eq!((parts.x, parts.iterations, parts.end), (whole.x, whole.iterations, whole.end));
 }

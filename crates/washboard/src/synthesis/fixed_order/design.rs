@@ -4,7 +4,7 @@ use super::asked::{FixedOrder, FixedOrderSettings, check};
 use super::outcome::{FixedOrderDesign, FixedOrderEnd, FixedOrderWork, describe};
 use super::problem::{Id, Problem, own_poles};
 use super::scales::Scales;
-use super::search::{Led, MET, as_it_is, better, from, further};
+use super::search::{Led, MET, as_it_is, better, from, further, race};
 use super::structure::{Entry, Structure, controller_of};
 use super::targets::{Aim, Measure, Target};
 use super::verify::{self, Values};
@@ -120,16 +120,29 @@ fn one_order(
     }
     begun.push(starts::silent(&problem));
     begun.extend(starts::random(&problem, settings.tries, settings.seed));
+    let mut seen: Vec<Vec<f64>> = Vec::new();
+    begun.retain(|x| {
+        let new = !seen.contains(x);
+        if new {
+            seen.push(x.clone());
+        }
+        new
+    });
     let short = BundleSettings {
         iterations: SHORT.min(settings.iterations),
         evaluations: 4 * SHORT,
         tolerance: 1e-4,
         ..BundleSettings::default()
     };
-    let mut led: Vec<Led> = begun.par_iter().map(|x| from(&problem, x, &short, false)).collect();
+    let patient = settings.tries >= PATIENT;
+    let mut led: Vec<Led> = if patient {
+        begun.par_iter().map(|x| from(&problem, x, &short, false)).collect()
+    } else {
+        race(&problem, &begun, &short, &[(10, begun.len().div_ceil(2)), (20, begun.len().div_ceil(3))])
+    };
     // a plant that is hard to stabilise
     let stable = led.iter().filter(|l| matches!(l, Led::To(_))).count();
-    if settings.tries >= PATIENT || stable * ENOUGH < led.len() {
+    if patient || stable * ENOUGH < led.len() {
         led = begun
             .par_iter()
             .zip(led)
@@ -193,7 +206,9 @@ fn settled(
     long: &BundleSettings,
 ) -> Result<Option<Settled>, SynthesisError> {
     let Some(first) = results.first().cloned() else { return Ok(None) };
-    results.insert(0, shaken(problem, first, settings, long));
+    let alike = |r: &&BundleResult<Id>| r.violation <= MET && (r.goal - first.goal).abs() < GAIN;
+    let agreed = results.len() >= KEPT && results.iter().all(|r| alike(&r));
+    results.insert(0, shaken(problem, first.clone(), settings, long, agreed));
     let mut last = None;
     let mut round = 0;
     while round < ROUNDS {
@@ -226,9 +241,15 @@ fn shaken(
     mut best: BundleResult<Id>,
     settings: &FixedOrderSettings,
     long: &BundleSettings,
+    agreed: bool,
 ) -> BundleResult<Id> {
     let patient = settings.tries >= PATIENT;
-    let (steps, most) = if patient { (4 * MEDIUM, 2 * VAIN) } else { (MEDIUM, VAIN) };
+    let (steps, most) = match (patient, agreed) {
+        (true, _) => (4 * MEDIUM, 2 * VAIN),
+        // starts that are far apart led to it
+        (false, true) => (MEDIUM, 1),
+        (false, false) => (MEDIUM, VAIN),
+    };
     let mut vain = 0;
     for round in 0..settings.tries {
         let places = starts::around(&best.x, settings.seed.wrapping_add(7919 * (round as u64 + 1)));
@@ -239,7 +260,11 @@ fn shaken(
             penalty: best.penalty,
             ..BundleSettings::default()
         };
-        let led: Vec<Led> = places.par_iter().map(|x| from(problem, x, &medium, patient)).collect();
+        let led: Vec<Led> = if patient {
+            places.par_iter().map(|x| from(problem, x, &medium, true)).collect()
+        } else {
+            race(problem, &places, &medium, &[(8, 3)])
+        };
         let mut new: Vec<BundleResult<Id>> =
             led.into_iter().filter_map(|l| if let Led::To(r) = l { Some(*r) } else { None }).collect();
         sort(&mut new);

@@ -1,7 +1,8 @@
 //! From a start to a local optimum: into the stable set, then down.
 
 use super::problem::{Id, Problem};
-use crate::optimize::{BfgsSettings, BundleResult, BundleSettings, Pieces, bfgs, minimize};
+use crate::optimize::{BfgsSettings, BundleResult, BundleSettings, Descent, Pieces, bfgs, minimize};
+use rayon::prelude::*;
 
 /// An abscissa below this, in units of the plants' pace, is enough to begin with.
 const STABLE: f64 = -1e-2;
@@ -14,6 +15,8 @@ const STABILISE: usize = 60;
 /// Rounds with a smooth function, and steps of one.
 const SMOOTH_ROUNDS: usize = 40;
 const SMOOTH_STEPS: usize = 30;
+/// What bounds that are exceeded count in a heat, beside the goal.
+const EXCEEDED: f64 = 10.0;
 
 /// Where a start led.
 #[derive(Debug, Clone)]
@@ -23,19 +26,95 @@ pub(super) enum Led {
     To(Box<BundleResult<Id>>),
 }
 
+/// A start on its way.
+enum Way<'a> {
+    /// No stable loop: the least abscissa found, rad/s.
+    Unstable(f64),
+    Down {
+        begun: Vec<f64>,
+        descent: Box<Descent<'a, Problem>>,
+    },
+}
+
 /// One start; `smooth` where it is worth the effort to stabilise it by a smooth function.
 pub(super) fn from(problem: &Problem, x: &[f64], settings: &BundleSettings, smooth: bool) -> Led {
+    let mut way = begin(problem, x, settings, smooth);
+    way.to(settings.iterations);
+    way.led(problem, settings)
+}
+
+/// All starts, a heat at a time: after each (steps in all, how many go on), those go on that stand lowest. The others are
+/// left as they stand.
+pub(super) fn race(
+    problem: &Problem,
+    starts: &[Vec<f64>],
+    settings: &BundleSettings,
+    heats: &[(usize, usize)],
+) -> Vec<Led> {
+    let mut ways: Vec<Way> = starts.par_iter().map(|x| begin(problem, x, settings, false)).collect();
+    let mut running: Vec<usize> = (0..ways.len()).collect();
+    for (steps, most) in heats {
+        let mut on = vec![false; ways.len()];
+        running.iter().for_each(|k| on[*k] = true);
+        ways.par_iter_mut().zip(&on).filter(|(_, on)| **on).for_each(|(way, _)| way.to(*steps));
+        running.retain(|k| matches!(ways[*k], Way::Down { .. }));
+        running.sort_by(|a, b| ways[*a].height().total_cmp(&ways[*b].height()));
+        running.truncate(*most);
+    }
+    let mut on = vec![false; ways.len()];
+    running.iter().for_each(|k| on[*k] = true);
+    ways.into_par_iter()
+        .zip(on)
+        .map(|(mut way, on)| {
+            if on {
+                way.to(settings.iterations);
+            }
+            way.led(problem, settings)
+        })
+        .collect()
+}
+
+impl Way<'_> {
+    fn to(&mut self, steps: usize) {
+        if let Way::Down { descent, .. } = self {
+            descent.to(steps);
+        }
+    }
+
+    /// Goal and bounds as one number, the same measure for all starts.
+    fn height(&self) -> f64 {
+        match self {
+            Way::Unstable(_) => f64::INFINITY,
+            Way::Down { descent, .. } => {
+                let (goal, violation) = descent.stands();
+                goal.max(f64::MIN) + EXCEEDED * violation
+            }
+        }
+    }
+
+    fn led(self, problem: &Problem, settings: &BundleSettings) -> Led {
+        match self {
+            Way::Unstable(least) => Led::Unstable(least),
+            Way::Down { begun, descent } => {
+                Led::To(Box::new(not_worse(problem, descent.result(), &begun, settings.penalty)))
+            }
+        }
+    }
+}
+
+/// The start with a stable loop.
+fn begin<'a>(problem: &'a Problem, x: &[f64], settings: &BundleSettings, smooth: bool) -> Way<'a> {
     let mut x = x.to_vec();
     let mut abscissa = f64::INFINITY;
     if problem.pieces(&x).is_none() {
         (x, abscissa) = match stabilised(problem, &x, smooth) {
             Ok(stable) => stable,
-            Err(least) => return Led::Unstable(least),
+            Err(least) => return Way::Unstable(least),
         };
     }
-    match minimize(problem, &x, settings) {
-        Some(found) => Led::To(Box::new(not_worse(problem, found, &x, settings.penalty))),
-        None => Led::Unstable(abscissa),
+    match Descent::from(problem, &x, settings) {
+        Some(descent) => Way::Down { begun: x, descent: Box::new(descent) },
+        None => Way::Unstable(abscissa),
     }
 }
 
