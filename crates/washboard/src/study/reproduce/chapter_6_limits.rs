@@ -31,7 +31,7 @@ pub(super) fn plant(ct: f64, speed_m_s: f64, delay_order: usize) -> Result<Gener
     let z = ["suspension_travel", "tire_deflection", "heave_acceleration", "pitch_acceleration"];
     let disturbance = Disturbance::RoadNoise;
     let settings = PlantSettings { road: (&road).into(), speed_m_s, disturbance, delay_order };
-    Ok(car.plant(&outputs(&car, &z), &outputs(&car, &z[..1]), &settings)?)
+    Ok(car.plant(&outputs(&car, &z)?, &outputs(&car, &z[..1])?, &settings)?)
 }
 
 /// μ(c_t; Λ): the least H2 norm of any controller over the passive one.

@@ -1,7 +1,7 @@
-//! Figures 7.4 and 7.5: what the full car answers to heights of opposite signs left and right.
+//! Figure 7.4, and the panels of 7.5: what the full car answers to heights of opposite signs left and right.
 
 use super::ReproduceError;
-use super::chapter_7_design::{DECAY, EXAMPLE, design};
+use super::chapter_7_design::{EXAMPLE, design};
 use super::context::Context;
 use super::item::{Axis, Curve, Sheet};
 use super::lmi_cars::{TIRE, TRAVEL, full_car_on_heights};
@@ -31,7 +31,12 @@ fn answers(system: &StateSpace<Continuous>, freq_hz: &[f64]) -> Result<[Vec<f64>
     Ok(all)
 }
 
-fn figure(sheet: &mut Sheet, name: &str, controller: &StateSpace<Continuous>) -> Result<(), ReproduceError> {
+/// The three panels of the passive car and of a controller's loop.
+pub(super) fn roll_figure(
+    sheet: &mut Sheet,
+    name: &str,
+    controller: &StateSpace<Continuous>,
+) -> Result<(), ReproduceError> {
     let plant = full_car_on_heights()?;
     let freq_hz: Vec<f64> = (0..=300).map(|k| 0.1 * 1000f64.powf(f64::from(k) / 300.0)).collect();
     let passive = answers(&plant.passive(), &freq_hz)?;
@@ -69,11 +74,5 @@ fn figure(sheet: &mut Sheet, name: &str, controller: &StateSpace<Continuous>) ->
 
 /// Figure 7.4.
 pub(super) fn f4(context: &Context, sheet: &mut Sheet) -> Result<(), ReproduceError> {
-    figure(sheet, "LMI design, order 18", &design(context, EXAMPLE, 0.0)?.controller)
-}
-
-/// Figure 7.5: the order of its controller, which is not printed.
-pub(super) fn f5(context: &Context, sheet: &mut Sheet) -> Result<(), ReproduceError> {
-    let found = design(context, EXAMPLE, DECAY)?;
-    figure(sheet, "LMI design truncated to order 6", &found.controller.balanced_truncation(6)?.system)
+    roll_figure(sheet, "LMI design, order 18", &design(context, EXAMPLE, 0.0)?.controller)
 }

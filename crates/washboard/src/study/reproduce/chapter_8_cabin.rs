@@ -49,7 +49,7 @@ pub(super) fn plant(
     let (cabin, road) = (spec.build(|_| chassis())?, road(context)?);
     let disturbance = Disturbance::RoadNoise;
     let settings = PlantSettings { road: (&road).into(), speed_m_s: SPEED_M_S, disturbance, delay_order: 0 };
-    Ok(cabin.plant(&outputs(&cabin, z), &outputs(&cabin, &MEASURED), &settings)?)
+    Ok(cabin.plant(&outputs(&cabin, z)?, &outputs(&cabin, &MEASURED)?, &settings)?)
 }
 
 /// What the text leaves open of the design.

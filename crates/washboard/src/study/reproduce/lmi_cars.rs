@@ -24,12 +24,16 @@ pub struct HalfCar {
 }
 
 /// All outputs of these names and bases, in the names' order.
-pub(super) fn outputs<'a>(car: &'a Vehicle, names: &[&str]) -> Vec<&'a Output> {
-    let of = |name: &&str| {
-        let name = (*name).to_owned();
-        car.outputs().iter().filter(move |o| o.base == name || o.name == name)
-    };
-    names.iter().flat_map(of).collect()
+pub(super) fn outputs<'a>(car: &'a Vehicle, names: &[&str]) -> Result<Vec<&'a Output>, ReproduceError> {
+    let mut all = Vec::new();
+    for name in names {
+        let before = all.len();
+        all.extend(car.outputs().iter().filter(|o| o.base == *name || o.name == *name));
+        if all.len() == before {
+            all.push(car.output(name)?);
+        }
+    }
+    Ok(all)
 }
 
 /// The plant of named outputs and measurements at 20 m/s on a road of its own under each wheel.
@@ -40,7 +44,7 @@ fn plant(
     disturbance: Disturbance,
 ) -> Result<GeneralizedPlant, ReproduceError> {
     let settings = PlantSettings { road: road.into(), speed_m_s: SPEED_M_S, disturbance, delay_order: 2 };
-    Ok(car.plant(&outputs(car, z), &outputs(car, y), &settings)?)
+    Ok(car.plant(&outputs(car, z)?, &outputs(car, y)?, &settings)?)
 }
 
 impl HalfCar {

@@ -21,6 +21,7 @@ mod chapter_6_limits;
 mod chapter_7_car;
 mod chapter_7_design;
 mod chapter_7_figures;
+mod chapter_7_fixed;
 mod chapter_8_cabin;
 mod chapter_8_figures;
 mod context;
@@ -62,7 +63,7 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ReproduceSpec {
-    /// `thesis.fig-4.3`, or all of `thesis.ch-4` or `thesis`; everything where there are none.
+    /// `thesis.fig-4.3`, or all of `thesis.ch-4`, `thesis` or `paper`; everything where there are none.
     #[serde(default)]
     pub items: Vec<String>,
     /// Leaves out what takes long; its items are named in `skipped`.
@@ -155,7 +156,7 @@ pub fn reproduce(spec: &ReproduceSpec) -> Result<(ReproduceOutcome, Vec<Input>),
         open: items.iter().filter(|c| !c.is_settled()).count(),
     };
     let skipped = skipped.iter().map(|i| i.name.to_owned()).collect();
-    Ok((ReproduceOutcome { items, titles, counts, figures, errata, skipped }, inputs()?))
+    Ok((ReproduceOutcome { items, titles, counts, figures, errata, skipped }, inputs(&run)?))
 }
 
 /// Every erratum with its evidence: what `docs/errata.md` holds.
@@ -199,7 +200,7 @@ fn choose(asked: &[String]) -> Result<Vec<&'static Item>, StudyError> {
         if !known.contains(name) {
             let near = nearest(name, known.iter().map(String::as_str));
             let near = near.map_or_else(String::new, |n| format!(" (did you mean `{n}`?)"));
-            let expected = "the name of an item, thesis.ch-N or thesis".to_owned();
+            let expected = "the name of an item, thesis.ch-N, thesis or paper".to_owned();
             return Err(StudyError::Setting { field: "ITEM", expected, found: format!("`{name}`{near}") });
         }
     }
@@ -210,11 +211,44 @@ fn choose(asked: &[String]) -> Result<Vec<&'static Item>, StudyError> {
 }
 
 /// The published vehicle and road that the items start from.
-fn inputs() -> Result<Vec<Input>, StudyError> {
-    [(context::CAR, CaseKind::Vehicle), (context::ROAD, CaseKind::Road)]
-        .into_iter()
-        .map(|(name, kind)| Ok(Input::of(format!("case:{name}"), find(name, kind)?.toml.as_bytes())))
-        .collect()
+fn inputs(run: &[&Item]) -> Result<Vec<Input>, StudyError> {
+    let mut names: Vec<(&str, CaseKind)> = Vec::new();
+    for item in run {
+        for case in cases_of(item.name) {
+            if !names.contains(case) {
+                names.push(*case);
+            }
+        }
+    }
+    let input = |(name, kind): (&str, CaseKind)| {
+        Ok(Input::of(format!("case:{name}"), find(name, kind)?.toml.as_bytes()))
+    };
+    names.into_iter().map(input).collect()
+}
+
+/// Published vehicles and roads of an item's chapter.
+fn cases_of(item: &str) -> &'static [(&'static str, CaseKind)] {
+    const QUARTER: &[(&str, CaseKind)] =
+        &[(context::CAR, CaseKind::Vehicle), (context::ROAD, CaseKind::Road)];
+    const HALF: &[(&str, CaseKind)] = &[
+        ("turkay-half-car", CaseKind::Vehicle),
+        ("turkay-first-order", CaseKind::Road),
+        ("turkay-white-velocity-rounded", CaseKind::Road),
+    ];
+    const FULL: &[(&str, CaseKind)] =
+        &[("chalasani-full-car", CaseKind::Vehicle), ("turkay-first-order", CaseKind::Road)];
+    const CABIN: &[(&str, CaseKind)] = &[
+        (chapter_8_cabin::CABIN, CaseKind::Vehicle),
+        (chapter_8_cabin::TRUCK, CaseKind::Vehicle),
+        (context::ROAD, CaseKind::Road),
+    ];
+    match groups(item).last().map(String::as_str) {
+        Some("paper") => &[(paper_car::PAPER_CAR, CaseKind::Vehicle)],
+        Some("thesis.ch-6") => HALF,
+        Some("thesis.ch-7") => FULL,
+        Some("thesis.ch-8") => CABIN,
+        _ => QUARTER,
+    }
 }
 
 #[cfg(test)]

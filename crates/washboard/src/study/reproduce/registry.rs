@@ -6,8 +6,8 @@ use super::{
     ReproduceError, chapter_2, chapter_3, chapter_4_car, chapter_4_figures, chapter_4_hybrid,
     chapter_4_identities, chapter_4_lqg, chapter_4_propositions, chapter_5_bump, chapter_5_feedback,
     chapter_5_fixed, chapter_5_limits, chapter_6_feedback, chapter_6_figures, chapter_6_limits,
-    chapter_7_car, chapter_7_design, chapter_7_figures, chapter_8_cabin, chapter_8_figures, paper_car,
-    paper_road, paper_spectra,
+    chapter_7_car, chapter_7_design, chapter_7_figures, chapter_7_fixed, chapter_8_cabin, chapter_8_figures,
+    paper_car, paper_road, paper_spectra,
 };
 
 /// One published item.
@@ -121,7 +121,7 @@ pub(super) const ITEMS: &[Item] = &[
     slow("thesis.sec-7.2.1", "Output feedback by matrix inequalities, truncated", chapter_7_design::section),
     slow("thesis.fig-7.3", "Trade-off of comfort and tire load", chapter_7_design::figure_3),
     slow("thesis.fig-7.4", "Roll responses, LMI design", chapter_7_figures::f4),
-    slow("thesis.fig-7.5", "Roll responses, order 6", chapter_7_figures::f5),
+    slow("thesis.fig-7.5", "Roll responses, order 6", chapter_7_fixed::figure_5),
     item("thesis.table-7.2", "Fixed-order designs: the passive row", chapter_7_car::table_2),
     slow("thesis.sec-7.3", "Truncated designs beside fixed-order ones", chapter_7_car::section_3),
     item("thesis.table-8.1", "Parameters of the truck cabin", chapter_8_cabin::table_1),
