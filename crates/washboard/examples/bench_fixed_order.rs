@@ -7,8 +7,6 @@
 
 #[path = "common/fixed.rs"]
 mod fixed;
-#[path = "common/lmi_cars.rs"]
-mod lmi_cars;
 
 use fixed::{asked, quarter, quarter_targets};
 use std::error::Error;

@@ -6,16 +6,14 @@
 
 #[path = "common/fixed.rs"]
 mod fixed;
-#[path = "common/lmi_cars.rs"]
-mod lmi_cars;
 
 use fixed::{W, Z, asked, channel, full_rms, full_targets, quarter, quarter_targets};
-use lmi_cars::{
-    COMFORT, HEIGHTS, NOISES, TIRE, TRAVEL, full_car_on_heights, full_car_with_heights, gain, h2,
-};
 use std::error::Error;
 use std::time::Instant;
 use washboard::lti::{Continuous, GeneralizedPlant, LtiError, StateSpace};
+use washboard::study::lmi_cars::{
+    COMFORT, HEIGHTS, NOISES, TIRE, TRAVEL, full_car_on_heights, full_car_with_heights, gain, h2,
+};
 use washboard::synthesis::{
     Aim, FixedOrder, FixedOrderDesign, FixedOrderEnd, FixedOrderSettings, Measure, Target, fixed_order,
     full_information,

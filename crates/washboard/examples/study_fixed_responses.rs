@@ -7,14 +7,12 @@
 
 #[path = "common/fixed.rs"]
 mod fixed;
-#[path = "common/lmi_cars.rs"]
-mod lmi_cars;
 
 use fixed::{Z, asked, full_targets, quarter, quarter_car, quarter_targets};
-use lmi_cars::{COMFORT, TIRE, TRAVEL, full_car_on_heights};
 use std::error::Error;
 use washboard::linalg::{C64, CMat};
 use washboard::lti::{Continuous, StateSpace};
+use washboard::study::lmi_cars::{COMFORT, TIRE, TRAVEL, full_car_on_heights};
 use washboard::synthesis::{FixedOrder, FixedOrderEnd, FixedOrderSettings, fixed_order};
 use washboard::units::hz;
 use washboard::vehicle::{Bump, Control, Output};

@@ -4,16 +4,13 @@
 
 #![allow(clippy::print_stdout, dead_code)]
 
-#[path = "common/lmi_cars.rs"]
-mod lmi_cars;
-
-use lmi_cars::{
-    COMFORT, HEIGHTS, NOISES, TIRE, TRAVEL, full_car, full_car_goals, full_car_with_heights, gain, h2,
-};
 use std::error::Error;
 use std::time::Instant;
 use washboard::lti::{Continuous, GeneralizedPlant, LtiError, StateSpace};
 use washboard::optimize::SdpSettings;
+use washboard::study::lmi_cars::{
+    COMFORT, HEIGHTS, NOISES, TIRE, TRAVEL, full_car, full_car_goals, full_car_with_heights, gain, h2,
+};
 use washboard::synthesis::{
     LyapunovScale, MixedController, MixedEnd, MixedGoals, lqr_of_output, mixed_h2_hinf,
 };

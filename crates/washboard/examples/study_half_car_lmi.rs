@@ -5,15 +5,12 @@
 
 #![allow(clippy::print_stdout, dead_code)]
 
-#[path = "common/lmi_cars.rs"]
-mod lmi_cars;
-
-use lmi_cars::{HalfCar, gain, norms};
 use std::error::Error;
 use std::time::Instant;
 use washboard::optimize::SdpSettings;
+use washboard::study::lmi_cars::{HalfCar, gain, norms};
 use washboard::synthesis::{LyapunovScale, MixedEnd, mixed_h2_hinf, robust_state_feedback};
-use washboard::vehicle::Disturbance;
+use washboard::vehicle::{Disturbance, HalfCarVariant};
 
 /// μ_road²v of chapter 6, m²/s.
 const INTENSITY: f64 = 0.0027 * 0.0027 * 20.0;
@@ -85,11 +82,12 @@ fn state_feedback(car: &HalfCar, rho: [f64; 2]) -> Result<(), Box<dyn Error>> {
 
 fn main() -> Result<(), Box<dyn Error>> {
     let argument = |i: usize| std::env::args().nth(i);
-    let variant = if argument(1).as_deref() == Some("printed") { "as-printed" } else { "corrected" };
+    let printed = argument(1).as_deref() == Some("printed");
+    let variant = if printed { HalfCarVariant::AsPrinted } else { HalfCarVariant::Corrected };
     let steps = argument(2).map_or(Ok(21), |a| a.parse::<usize>())?.max(2);
     let inertia = argument(3).map_or(Ok(1.0), |a| a.parse::<f64>())?;
     let car = HalfCar { variant, inertia };
-    println!("{variant} half car, {inertia} of its pitch inertia");
+    println!("{variant:?} half car, {inertia} of its pitch inertia");
     for scale in [LyapunovScale::Fixed(1.0), LyapunovScale::Searched] {
         for rho in RHOS {
             output_feedback(&car, rho, scale, steps)?;

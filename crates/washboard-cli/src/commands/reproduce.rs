@@ -15,7 +15,7 @@ use washboard::study::{
 /// Compute published numbers again, and say which agree, which are errors of the source, and why.
 #[derive(Debug, Args)]
 pub struct Arguments {
-    /// Items such as thesis.fig-4.3, or all of thesis.ch-4 or thesis; everything without.
+    /// Items such as thesis.fig-4.3, or all of thesis.ch-4, thesis or paper; everything without.
     #[arg(value_name = "ITEM")]
     items: Vec<String>,
     /// Leave out long searches and simulations.

@@ -1,9 +1,9 @@
 //! The problems of sections 5.3 and 7.3 of the thesis, as goals and bounds of fixed-order controllers.
 
-use super::lmi_cars::{COMFORT, NOISES, TIRE, TRAVEL, gain, h2};
 use std::error::Error;
 use washboard::cases;
 use washboard::lti::{Continuous, GeneralizedPlant, LtiError, StateSpace};
+use washboard::study::lmi_cars::{COMFORT, NOISES, TIRE, TRAVEL, gain, h2};
 use washboard::synthesis::{Aim, Channel, FixedOrder, Measure, Structure, Target};
 use washboard::vehicle::{Disturbance, Output, PlantSettings, Vehicle};
 

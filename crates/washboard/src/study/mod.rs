@@ -145,7 +145,7 @@ pub use modes::{ModesOutcome, VehicleMode, VehicleModeKind, modes};
 pub use named::Named;
 pub use reproduce::{
     Check, Counts, Curve, Erratum, Evidence, Figure, Relation, ReproduceError, ReproduceOutcome,
-    ReproduceSpec, Titled, all_errata, errata_markdown, reproduce, reproducible,
+    ReproduceSpec, Titled, all_errata, errata_markdown, lmi_cars, reproduce, reproducible,
 };
 pub use respond::{BumpOutcome, Direction, GainsOutcome, RespondOutcome, respond};
 pub use ride::{Infinite, RideOutcome, RideSpectra, Rms, ride};

@@ -1,16 +1,14 @@
 //! The half car's and the full car's matrix inequalities of the thesis (§6.2, §7.2).
 
-#[path = "../../examples/common/lmi_cars.rs"]
-#[allow(dead_code)]
-mod lmi_cars;
-
-use lmi_cars::{COMFORT, HalfCar, NOISES, TIRE, TRAVEL, full_car, full_car_goals, gain, h2, norms};
 use washboard::optimize::SdpSettings;
+use washboard::study::lmi_cars::{
+    COMFORT, HalfCar, NOISES, TIRE, TRAVEL, full_car, full_car_goals, gain, h2, norms,
+};
 use washboard::synthesis::{LyapunovScale, MixedController, MixedEnd, mixed_h2_hinf, robust_state_feedback};
-use washboard::vehicle::Disturbance;
+use washboard::vehicle::{Disturbance, HalfCarVariant};
 
 const FIXED: LyapunovScale = LyapunovScale::Fixed(1.0);
-const PRINTED: HalfCar = HalfCar { variant: "as-printed", inertia: 1.0 };
+const PRINTED: HalfCar = HalfCar { variant: HalfCarVariant::AsPrinted, inertia: 1.0 };
 
 fn found<T: std::fmt::Debug>(end: MixedEnd<T>) -> T {
     match end {

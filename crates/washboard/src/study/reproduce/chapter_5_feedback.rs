@@ -11,7 +11,7 @@ use crate::synthesis::{
 };
 
 /// λ of all examples.
-const LAMBDA: f64 = 0.1;
+pub(super) const LAMBDA: f64 = 0.1;
 /// Tire dampings of table 5.1, N s/m.
 const TABLE: [f64; 3] = [25.0, 35.0, 50.0];
 /// Steps of figures 5.3 and 5.4 to 100 N s/m.
@@ -46,7 +46,7 @@ pub(super) fn feedback(
 }
 
 /// From the road's velocity to z₁ z₂ z₃ and the force, with u = K x.
-fn closed(plant: &GeneralizedPlant, gain: &Mat) -> Result<StateSpace<Continuous>, ReproduceError> {
+pub(super) fn closed(plant: &GeneralizedPlant, gain: &Mat) -> Result<StateSpace<Continuous>, ReproduceError> {
     let (a, z) = (plant.a() + plant.b2() * gain, plant.c1() + plant.d12() * gain);
     let c = Mat::from_fn(4, a.ncols(), |i, j| if i < 3 { z[(i, j)] } else { gain[(0, j)] });
     Ok(StateSpace::continuous(a, plant.b1(), c, Mat::zeros(4, 1))?)

@@ -1,7 +1,10 @@
 //! What the items of chapters 4 and 5 share: the car of table 4.1 on its road, and designs on it.
 
 use super::ReproduceError;
+use super::chapter_6_figures::Sweep;
+use super::chapter_7_design::FullCarDesign;
 use super::item::{Curve, Sheet};
+use super::shared::Shared;
 use crate::cases;
 use crate::linalg::C64;
 use crate::lti::{Continuous, GeneralizedPlant, StateSpace};
@@ -36,6 +39,10 @@ pub(super) struct Context {
     pub spec: VehicleSpec,
     /// W = (2πn₀)²κv, m²/s.
     pub intensity: f64,
+    /// §6.2.2's designs over tire damping, by ρ₁.
+    pub half_car_sweeps: Shared<f64, Sweep>,
+    /// §7.2.1's designs, by λ, μ and the decay rate asked of the poles, 1/s.
+    pub full_car_designs: Shared<[f64; 3], FullCarDesign>,
 }
 
 impl Context {
@@ -57,7 +64,13 @@ impl Context {
         let Some(intensity) = white else {
             return Err(ReproduceError::unexpected("case", "a road of white velocity", ROAD));
         };
-        Ok(Context { numbers, spec, intensity })
+        Ok(Context {
+            numbers,
+            spec,
+            intensity,
+            half_car_sweeps: Shared::default(),
+            full_car_designs: Shared::default(),
+        })
     }
 
     /// The car on a tire of this damping, N s/m.

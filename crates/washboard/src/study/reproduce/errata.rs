@@ -2,7 +2,7 @@
 
 use super::context::Context;
 use super::item::{Erratum, Evidence};
-use super::{ReproduceError, errata_2, errata_3, errata_4, errata_5};
+use super::{ReproduceError, errata_2, errata_3, errata_4, errata_5, errata_list};
 
 /// Computes what shows an error.
 pub(super) type Shown = fn(&Context) -> Result<Vec<Evidence>, ReproduceError>;
@@ -33,12 +33,12 @@ impl Entry {
     }
 }
 
-const fn entry(id: &'static str, words: [&'static str; 3], evidence: Shown) -> Entry {
+pub(super) const fn entry(id: &'static str, words: [&'static str; 3], evidence: Shown) -> Entry {
     let [place, printed, right] = words;
     Entry { id, place, printed, right, slow: false, evidence }
 }
 
-const fn slow(id: &'static str, words: [&'static str; 3], evidence: Shown) -> Entry {
+pub(super) const fn slow(id: &'static str, words: [&'static str; 3], evidence: Shown) -> Entry {
     let [place, printed, right] = words;
     Entry { id, place, printed, right, slow: true, evidence }
 }
@@ -49,12 +49,17 @@ pub(super) fn shown(what: impl Into<String>, as_printed: f64, right: f64) -> Evi
 }
 
 /// Only the print is at fault: there is no number to compute.
-fn print_only(_: &Context) -> Result<Vec<Evidence>, ReproduceError> {
+pub(super) fn print_only(_: &Context) -> Result<Vec<Evidence>, ReproduceError> {
     Ok(Vec::new())
 }
 
-/// In the order of the thesis.
-pub(super) const ERRATA: &[Entry] = &[
+/// All of them, in the order of the sources.
+pub(super) fn all() -> Vec<&'static Entry> {
+    ERRATA.iter().chain(errata_list::LATER).chain(errata_list::PAPER).collect()
+}
+
+/// Chapters 2 to 5 of the thesis.
+const ERRATA: &[Entry] = &[
     slow(
         "E2.1",
         [
@@ -244,6 +249,15 @@ pub(super) const ERRATA: &[Entry] = &[
         "E5.7",
         ["§5.3, scalings at c_t = 98", "20.2380, .2739", "a tenth of a per cent off"],
         errata_5::norms,
+    ),
+    entry(
+        "E5.8",
+        [
+            "Table 5.2, active columns, and figures 5.9–5.12",
+            "rms values by order; \"the simplest controller achieves the best\"",
+            "of local optima of a goal without rms values: not determined by what is stated",
+        ],
+        errata_5::fixed_order_rows,
     ),
     entry(
         "E5.10",

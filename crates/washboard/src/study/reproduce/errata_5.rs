@@ -2,6 +2,7 @@
 
 use super::ReproduceError;
 use super::chapter_5_feedback::{Sweep, gains_of_table_1, rms, sweep};
+use super::chapter_5_fixed::{TABLE, design};
 use super::context::{Context, DAMPED, TRAVEL};
 use super::errata::shown;
 use super::item::Evidence;
@@ -56,6 +57,24 @@ pub(super) fn robust_gain(context: &Context) -> Shown {
         let found = rms(context, ct, &robust.gain)?;
         all.push(shown(format!("rms z₁ of K_p, c_t = {ct}"), z1, found[0]));
         all.push(shown(format!("rms z₂ of K_p, c_t = {ct}"), 0.0045, found[1]));
+    }
+    Ok(all)
+}
+
+/// Problem 5.3.1's own designs: least ‖T_z₁V‖∞ over the passive one, and the rms z₁ that comes with it.
+pub(super) fn fixed_order_rows(context: &Context) -> Shown {
+    let plant = context.plant(DAMPED, &TRAVEL)?;
+    let mut all = Vec::new();
+    for (k, [z1, ..]) in TABLE.into_iter().enumerate() {
+        let found = design(&plant, k + 1, None)?;
+        let rms = context.rms(&Certificate::of(&plant, &found.controller)?);
+        let of = format!("n_K = {}", k + 1);
+        let goal = found.verified_goal.unwrap_or(f64::NAN);
+        all.push(shown(format!("{of}: ‖T_z₁V‖∞ over the passive one, printed as at most 1"), 1.0, goal));
+        // further places are the search's own
+        let rounded = (100.0 * rms[0]).round() / 100.0;
+        let text = format!("{of}: rms z₁ to two places, m/s²");
+        all.push(shown(text, z1.parse().unwrap_or(f64::NAN), rounded));
     }
     Ok(all)
 }

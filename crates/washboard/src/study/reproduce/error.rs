@@ -2,12 +2,12 @@
 
 use crate::cases::CaseError;
 use crate::linalg::LinalgError;
-use crate::lti::{LtiError, RationalError};
+use crate::lti::{LtiError, MechanicsError, RationalError};
 use crate::road::RoadError;
 use crate::subspace::SubspaceError;
 use crate::synthesis::SynthesisError;
 use crate::synthesis::achievable::AchievableError;
-use crate::vehicle::{BumpError, RideError, VehicleError};
+use crate::vehicle::{BumpError, PlantError, RideError, VehicleError};
 use thiserror::Error;
 
 /// What stands in the way of an item.
@@ -37,6 +37,12 @@ pub enum ReproduceError {
     /// A vehicle.
     #[error(transparent)]
     Vehicle(#[from] VehicleError),
+    /// Its modes.
+    #[error(transparent)]
+    Mechanics(#[from] MechanicsError),
+    /// A vehicle with its actuators.
+    #[error(transparent)]
+    Plant(#[from] PlantError),
     /// A ride.
     #[error(transparent)]
     Ride(#[from] RideError),

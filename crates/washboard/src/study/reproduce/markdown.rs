@@ -11,7 +11,8 @@ const DIGITS: usize = 5;
 pub fn errata_markdown(errata: &[Erratum]) -> String {
     let mut text = String::from(
         "# Errata of the sources\n\
-         Türkay, *Trade-offs in Automotive Active Suspension Design*. Made by `washboard reproduce -o DIR`, which computes every number below; \
+         E2–E8: Türkay, *Trade-offs in Automotive Active Suspension Design*; EP: De Filippis, Palmieri, Soria and Mangialardi, *System and source \
+         identification from operational vehicle responses*. Made by `washboard reproduce -o DIR`, which computes every number below; \
          do not edit. An erratum without a table is one of print.\n",
     );
     for e in errata {

@@ -11,18 +11,40 @@ mod chapter_4_hybrid;
 mod chapter_4_identities;
 mod chapter_4_lqg;
 mod chapter_4_propositions;
+mod chapter_5_bump;
 mod chapter_5_feedback;
+mod chapter_5_fixed;
 mod chapter_5_limits;
+mod chapter_6_feedback;
+mod chapter_6_figures;
+mod chapter_6_limits;
+mod chapter_7_car;
+mod chapter_7_design;
+mod chapter_7_figures;
+mod chapter_7_fixed;
+mod chapter_8_cabin;
+mod chapter_8_figures;
 mod context;
 mod errata;
 mod errata_2;
 mod errata_3;
 mod errata_4;
 mod errata_5;
+mod errata_6;
+mod errata_7;
+mod errata_8;
+mod errata_8_kinematics;
+mod errata_list;
+mod errata_paper;
 mod error;
 mod item;
+pub mod lmi_cars;
 mod markdown;
+mod paper_car;
+mod paper_road;
+mod paper_spectra;
 mod registry;
+mod shared;
 
 pub use error::ReproduceError;
 pub use item::{Check, Curve, Erratum, Evidence, Figure, Relation};
@@ -41,7 +63,7 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ReproduceSpec {
-    /// `thesis.fig-4.3`, or all of `thesis.ch-4` or `thesis`; everything where there are none.
+    /// `thesis.fig-4.3`, or all of `thesis.ch-4`, `thesis` or `paper`; everything where there are none.
     #[serde(default)]
     pub items: Vec<String>,
     /// Leaves out what takes long; its items are named in `skipped`.
@@ -116,10 +138,14 @@ pub fn reproduce(spec: &ReproduceSpec) -> Result<(ReproduceOutcome, Vec<Input>),
     let named = |id: &str| items.iter().any(|c: &Check| c.erratum.as_deref() == Some(id));
     let whole = |id: &str| {
         let chapter = id.trim_start_matches('E').split('.').next().unwrap_or_default();
-        whole_groups(&spec.items).iter().any(|g| g == "thesis" || *g == format!("thesis.ch-{chapter}"))
+        let (source, chapter) = match chapter {
+            "P" => ("paper", None),
+            n => ("thesis", Some(format!("thesis.ch-{n}"))),
+        };
+        spec.items.is_empty() || spec.items.iter().any(|g| g == source || Some(g) == chapter.as_ref())
     };
-    let errata = errata::ERRATA
-        .par_iter()
+    let errata = errata::all()
+        .into_par_iter()
         .filter(|e| (named(e.id) || whole(e.id)) && (named(e.id) || !(spec.quick && e.slow)))
         .map(|e| e.computed(&context).map_err(failed(e.id)))
         .collect::<Result<Vec<_>, _>>()?;
@@ -130,7 +156,7 @@ pub fn reproduce(spec: &ReproduceSpec) -> Result<(ReproduceOutcome, Vec<Input>),
         open: items.iter().filter(|c| !c.is_settled()).count(),
     };
     let skipped = skipped.iter().map(|i| i.name.to_owned()).collect();
-    Ok((ReproduceOutcome { items, titles, counts, figures, errata, skipped }, inputs()?))
+    Ok((ReproduceOutcome { items, titles, counts, figures, errata, skipped }, inputs(&run)?))
 }
 
 /// Every erratum with its evidence: what `docs/errata.md` holds.
@@ -142,7 +168,7 @@ pub fn all_errata() -> Result<Vec<Erratum>, StudyError> {
         move |source| StudyError::Reproduce { item: item.to_owned(), source: Box::new(source) }
     };
     let context = Context::new().map_err(failed("thesis.table-4.1"))?;
-    errata::ERRATA.par_iter().map(|e| e.computed(&context).map_err(failed(e.id))).collect()
+    errata::all().into_par_iter().map(|e| e.computed(&context).map_err(failed(e.id))).collect()
 }
 
 /// The names that an item may be asked by, with the chapters and sources that hold some.
@@ -168,18 +194,13 @@ fn groups(name: &str) -> Vec<String> {
     std::iter::once(source.to_owned()).chain(chapter.filter(|_| source == "thesis")).collect()
 }
 
-/// What was asked for as a whole.
-fn whole_groups(asked: &[String]) -> Vec<String> {
-    if asked.is_empty() { vec!["thesis".to_owned()] } else { asked.to_vec() }
-}
-
 fn choose(asked: &[String]) -> Result<Vec<&'static Item>, StudyError> {
     let known = reproducible();
     for name in asked {
         if !known.contains(name) {
             let near = nearest(name, known.iter().map(String::as_str));
             let near = near.map_or_else(String::new, |n| format!(" (did you mean `{n}`?)"));
-            let expected = "the name of an item, thesis.ch-N or thesis".to_owned();
+            let expected = "the name of an item, thesis.ch-N, thesis or paper".to_owned();
             return Err(StudyError::Setting { field: "ITEM", expected, found: format!("`{name}`{near}") });
         }
     }
@@ -190,11 +211,44 @@ fn choose(asked: &[String]) -> Result<Vec<&'static Item>, StudyError> {
 }
 
 /// The published vehicle and road that the items start from.
-fn inputs() -> Result<Vec<Input>, StudyError> {
-    [(context::CAR, CaseKind::Vehicle), (context::ROAD, CaseKind::Road)]
-        .into_iter()
-        .map(|(name, kind)| Ok(Input::of(format!("case:{name}"), find(name, kind)?.toml.as_bytes())))
-        .collect()
+fn inputs(run: &[&Item]) -> Result<Vec<Input>, StudyError> {
+    let mut names: Vec<(&str, CaseKind)> = Vec::new();
+    for item in run {
+        for case in cases_of(item.name) {
+            if !names.contains(case) {
+                names.push(*case);
+            }
+        }
+    }
+    let input = |(name, kind): (&str, CaseKind)| {
+        Ok(Input::of(format!("case:{name}"), find(name, kind)?.toml.as_bytes()))
+    };
+    names.into_iter().map(input).collect()
+}
+
+/// Published vehicles and roads of an item's chapter.
+fn cases_of(item: &str) -> &'static [(&'static str, CaseKind)] {
+    const QUARTER: &[(&str, CaseKind)] =
+        &[(context::CAR, CaseKind::Vehicle), (context::ROAD, CaseKind::Road)];
+    const HALF: &[(&str, CaseKind)] = &[
+        ("turkay-half-car", CaseKind::Vehicle),
+        ("turkay-first-order", CaseKind::Road),
+        ("turkay-white-velocity-rounded", CaseKind::Road),
+    ];
+    const FULL: &[(&str, CaseKind)] =
+        &[("chalasani-full-car", CaseKind::Vehicle), ("turkay-first-order", CaseKind::Road)];
+    const CABIN: &[(&str, CaseKind)] = &[
+        (chapter_8_cabin::CABIN, CaseKind::Vehicle),
+        (chapter_8_cabin::TRUCK, CaseKind::Vehicle),
+        (context::ROAD, CaseKind::Road),
+    ];
+    match groups(item).last().map(String::as_str) {
+        Some("paper") => &[(paper_car::PAPER_CAR, CaseKind::Vehicle)],
+        Some("thesis.ch-6") => HALF,
+        Some("thesis.ch-7") => FULL,
+        Some("thesis.ch-8") => CABIN,
+        _ => QUARTER,
+    }
 }
 
 #[cfg(test)]
@@ -210,9 +264,11 @@ mod tests {
         assert_eq!(names.len(), all);
         assert_eq!(groups("thesis.fig-4.3"), ["thesis", "thesis.ch-4"]);
         assert_eq!(groups("paper.table-1"), ["paper"]);
-        let mut ids: Vec<&str> = errata::ERRATA.iter().map(|e| e.id).collect();
+        let mut ids: Vec<&str> = errata::all().iter().map(|e| e.id).collect();
+        let all = ids.len();
+        ids.sort_unstable();
         ids.dedup();
-        assert_eq!(ids.len(), errata::ERRATA.len());
+        assert_eq!(ids.len(), all);
     }
 
     #[test]

@@ -1,54 +1,74 @@
-//! The half car of §6.2 and the full car of §7.2 of the thesis, as plants with the goals of its matrix inequalities.
+//! The half car of §6 and the full car of §7 of the thesis, as plants with the goals of their matrix inequalities.
 
-use std::error::Error;
-use washboard::cases::{self, CaseKind};
-use washboard::linalg::Mat;
-use washboard::lti::{Continuous, GeneralizedPlant, LtiError, StateSpace};
-use washboard::road::Coherence;
-use washboard::synthesis::{H2Goal, HinfGoal, LyapunovScale, MixedGoals, PoleRegion};
-use washboard::vehicle::{Disturbance, Output, PlantSettings, Vehicle, VehicleSpec};
+use super::ReproduceError;
+use crate::cases;
+use crate::linalg::Mat;
+use crate::lti::{Continuous, GeneralizedPlant, LtiError, StateSpace};
+use crate::road::{Coherence, Road};
+use crate::synthesis::{H2Goal, HinfGoal, LyapunovScale, MixedGoals, PoleRegion};
+use crate::vehicle::{Disturbance, HalfCarVariant, Output, PlantSettings, Vehicle, VehicleSpec};
 
 /// γ of the full car's poles, rad/s: −γ < Re s < 0, |Im s| < γ.
 const FASTEST: f64 = 200.0;
 const SPEED_M_S: f64 = 20.0;
+/// What a controller gives away for a loop that keeps its claims: the tool's default.
+const BACK_OFF: f64 = 1e-3;
 
-/// A half car: `variant` and the share of its pitch inertia.
+/// A half car: which equations, and the share of its pitch inertia.
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct HalfCar {
-    pub variant: &'static str,
+    /// (6.15) and (6.18) as printed, or the equations of motion.
+    pub variant: HalfCarVariant,
+    /// I_p over that of table 6.1.
     pub inertia: f64,
 }
 
-/// The plant of named outputs and measurements on a road of its own under each wheel.
+/// All outputs of these names and bases, in the names' order.
+pub(super) fn outputs<'a>(car: &'a Vehicle, names: &[&str]) -> Result<Vec<&'a Output>, ReproduceError> {
+    let mut all = Vec::new();
+    for name in names {
+        let before = all.len();
+        all.extend(car.outputs().iter().filter(|o| o.base == *name || o.name == *name));
+        if all.len() == before {
+            all.push(car.output(name)?);
+        }
+    }
+    Ok(all)
+}
+
+/// The plant of named outputs and measurements at 20 m/s on a road of its own under each wheel.
 fn plant(
     car: &Vehicle,
-    names: [&[&str]; 2],
-    road: &str,
+    [z, y]: [&[&str]; 2],
+    road: &Road,
     disturbance: Disturbance,
-) -> Result<GeneralizedPlant, Box<dyn Error>> {
-    let road = cases::road(road)?.with_coherence(Coherence::Independent);
-    // a name stands for itself, or for all outputs of that base
-    let of = |names: &[&str]| -> Vec<&Output> {
-        names
-            .iter()
-            .flat_map(|name| car.outputs().iter().filter(move |o| o.base == *name || o.name == *name))
-            .collect()
-    };
-    let settings = PlantSettings { road: (&road).into(), speed_m_s: SPEED_M_S, disturbance, delay_order: 2 };
-    Ok(car.plant(&of(names[0]), &of(names[1]), &settings)?)
+) -> Result<GeneralizedPlant, ReproduceError> {
+    let settings = PlantSettings { road: road.into(), speed_m_s: SPEED_M_S, disturbance, delay_order: 2 };
+    Ok(car.plant(&outputs(car, z)?, &outputs(car, y)?, &settings)?)
 }
 
 impl HalfCar {
-    /// z: travels, tire deflections, heave and pitch acceleration, forces; y: travels. c_t front and rear, N·s/m.
-    pub fn plant(&self, ct: [f64; 2], disturbance: Disturbance) -> Result<GeneralizedPlant, Box<dyn Error>> {
-        let case = cases::find("turkay-half-car", CaseKind::Vehicle)?;
-        let text = case
-            .toml
-            .replace("variant = \"corrected\"", &format!("variant = \"{}\"", self.variant))
-            .replace("2700.0", &format!("{:.1}", 2700.0 * self.inertia));
-        let spec: VehicleSpec = toml::from_str(&text)?;
+    /// Its vehicle on tires of these dampings front and rear, N·s/m.
+    ///
+    /// # Errors
+    /// A case that is no half car.
+    pub fn vehicle(&self, ct: [f64; 2]) -> Result<Vehicle, ReproduceError> {
+        let mut spec: VehicleSpec = cases::vehicle_spec("turkay-half-car")?;
+        if let Some(car) = spec.half_car.as_mut() {
+            car.variant = self.variant;
+            car.pitch_inertia_kg_m2 *= self.inertia;
+        }
         let damped =
             [("front.tire_damping_n_s_per_m".into(), ct[0]), ("rear.tire_damping_n_s_per_m".into(), ct[1])];
-        let car = spec.with_overrides(&damped)?.build_alone()?;
+        Ok(spec.with_overrides(&damped)?.build_alone()?)
+    }
+
+    /// z: travels, tire deflections, heave and pitch acceleration, forces; y: travels. c_t front and rear, N·s/m.
+    ///
+    /// # Errors
+    /// As of [`HalfCar::vehicle`], and of the plant.
+    pub fn plant(&self, ct: [f64; 2], disturbance: Disturbance) -> Result<GeneralizedPlant, ReproduceError> {
+        let road = cases::road("turkay-white-velocity-rounded")?.with_coherence(Coherence::Independent);
         let z = [
             "suspension_travel",
             "tire_deflection",
@@ -56,10 +76,13 @@ impl HalfCar {
             "pitch_acceleration",
             "actuator_force",
         ];
-        plant(&car, [&z, &["suspension_travel"]], "turkay-white-velocity-rounded", disturbance)
+        plant(&self.vehicle(ct)?, [&z, &["suspension_travel"]], &road, disturbance)
     }
 
     /// Λ and γ of §6.2.2: accelerations and travels against the passive car's, ‖tire deflections‖∞ below ρ₂ times its.
+    ///
+    /// # Errors
+    /// A norm of a passive car that is not stable.
     pub fn goals(
         plant: &GeneralizedPlant,
         [rho1, rho2]: [f64; 2],
@@ -80,36 +103,44 @@ impl HalfCar {
             hinf: vec![tires],
             region: PoleRegion::default(),
             scale,
-            back_off: 1e-3,
+            back_off: BACK_OFF,
         })
     }
 }
 
 /// z: accelerations at the driver (3), travels (4), tire deflections (4), forces (4); y: travels, velocities of body and wheels.
 /// Driven by the noises of (7.2).
-pub fn full_car() -> Result<GeneralizedPlant, Box<dyn Error>> {
+///
+/// # Errors
+/// Those of the plant.
+pub fn full_car() -> Result<GeneralizedPlant, ReproduceError> {
     full_car_from(Disturbance::RoadNoise)
 }
 
 /// The same driven by the wheels' heights alone.
-pub fn full_car_on_heights() -> Result<GeneralizedPlant, Box<dyn Error>> {
+///
+/// # Errors
+/// Those of the plant.
+pub fn full_car_on_heights() -> Result<GeneralizedPlant, ReproduceError> {
     full_car_from(Disturbance::RoadDisplacement)
 }
 
-fn full_car_from(disturbance: Disturbance) -> Result<GeneralizedPlant, Box<dyn Error>> {
-    let case = cases::find("chalasani-full-car", CaseKind::Vehicle)?;
-    let spec: VehicleSpec = toml::from_str(&case.toml)?;
-    let car = spec.build_alone()?;
+fn full_car_from(disturbance: Disturbance) -> Result<GeneralizedPlant, ReproduceError> {
+    let car = cases::vehicle("chalasani-full-car")?;
+    let road = cases::road("turkay-first-order")?.with_coherence(Coherence::Independent);
     let comfort = ["driver_heave_acceleration", "pitch_acceleration", "roll_acceleration"];
     let z: Vec<&str> =
         comfort.into_iter().chain(["suspension_travel", "tire_deflection", "actuator_force"]).collect();
     let y = ["suspension_travel", "heave_velocity", "pitch_velocity", "roll_velocity", "unsprung_velocity"];
-    plant(&car, [&z, &y], "turkay-first-order", disturbance)
+    plant(&car, [&z, &y], &road, disturbance)
 }
 
 /// [`full_car`] with the wheels' heights as four more disturbances beside the noises: ẇ = −v a_w w + √v b_w ξ of (7.2) written
 /// out, and w + w' under the wheels.
-pub fn full_car_with_heights() -> Result<GeneralizedPlant, Box<dyn Error>> {
+///
+/// # Errors
+/// Those of the plant.
+pub fn full_car_with_heights() -> Result<GeneralizedPlant, ReproduceError> {
     const A_W: f64 = 0.0572;
     const B_W: f64 = 0.0195;
     let heights = full_car_from(Disturbance::RoadDisplacement)?;
@@ -140,16 +171,22 @@ pub fn full_car_with_heights() -> Result<GeneralizedPlant, Box<dyn Error>> {
     Ok(GeneralizedPlant::new(StateSpace::continuous(wide_a, wide_b, wide_c, wide_d)?, signals)?)
 }
 
-/// Rows of the full car's outputs.
+/// Rows of the full car's accelerations.
 pub const COMFORT: [usize; 3] = [0, 1, 2];
+/// Of its travels.
 pub const TRAVEL: [usize; 4] = [3, 4, 5, 6];
+/// Of its tire deflections.
 pub const TIRE: [usize; 4] = [7, 8, 9, 10];
-/// Its disturbances.
+/// Its noises.
 pub const NOISES: [usize; 4] = [0, 1, 2, 3];
+/// The wheels' heights beside them.
 pub const HEIGHTS: [usize; 4] = [4, 5, 6, 7];
 
 /// Λ∞ and Λ₂ of §7.2, poles in its rectangle and left of −`decay`. The tires' norm is from `tire_inputs` (the noises, or the
 /// heights of [`full_car_with_heights`]).
+///
+/// # Errors
+/// A norm of a passive car that is not stable.
 pub fn full_car_goals(
     plant: &GeneralizedPlant,
     [lambda, mu]: [f64; 2],
@@ -182,21 +219,30 @@ pub fn full_car_goals(
             ..PoleRegion::default()
         },
         scale: LyapunovScale::Fixed(1.0),
-        back_off: 1e-3,
+        back_off: BACK_OFF,
     })
 }
 
 /// ‖·‖₂ of some rows.
+///
+/// # Errors
+/// A system that is not stable.
 pub fn h2(system: &StateSpace<Continuous>, rows: &[usize]) -> Result<f64, LtiError> {
     system.select(rows, &inputs(system))?.h2_norm()
 }
 
 /// ‖·‖₂ of each row.
+///
+/// # Errors
+/// A system that is not stable.
 pub fn norms(system: &StateSpace<Continuous>) -> Result<Vec<f64>, LtiError> {
     (0..system.outputs()).map(|row| h2(system, &[row])).collect()
 }
 
 /// ‖·‖∞ of some rows.
+///
+/// # Errors
+/// A system that is not stable.
 pub fn gain(system: &StateSpace<Continuous>, rows: &[usize]) -> Result<f64, LtiError> {
     Ok(system.select(rows, &inputs(system))?.hinf_norm()?.norm)
 }
