@@ -65,16 +65,18 @@ fn table(o: &RespondOutcome) -> String {
     let unit = |name: &str| o.units.get(name).cloned().unwrap_or_default();
     if let Some(b) = &o.bump {
         let title = format!("<bump of {} m over {} m at {} m/s", b.height_m, b.length_m, o.speed_m_s);
-        let mut head = vec![title.as_str(), "<unit", "peak", "at, s"];
+        let mut head = vec![title.as_str(), "<unit", "peak", "at, s", "settled, s"];
         if !b.reduction.is_empty() {
             head.push("change, %");
         }
         let mut rows = Table::new(&head);
         for (name, peak) in b.peak.iter() {
             let at = b.peak_at_s.get(name).copied().unwrap_or(0.0);
+            let settled = b.settling_s.get(name).copied().flatten();
+            let settled = settled.map(|s| format!("{s:.2}")).unwrap_or_default();
             // the controller's peak over the passive one, less 1
             let change = b.reduction.get(name).map(|r| format!("{:+.1}", -100.0 * r)).unwrap_or_default();
-            let cells = [name.to_owned(), unit(name), number(*peak), format!("{at:.3}"), change];
+            let cells = [name.to_owned(), unit(name), number(*peak), format!("{at:.3}"), settled, change];
             rows.row(cells.into_iter().take(head.len()));
         }
         if !b.reduction.is_empty() {

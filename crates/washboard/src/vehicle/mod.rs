@@ -30,6 +30,7 @@ mod truck_cabin;
 mod values;
 
 pub use bounce_truck::BounceTruck;
+pub(crate) use bump::Modes as BumpModes;
 pub use bump::{Bump, BumpError, BumpResponse};
 pub use controlled::{Control, ControlError};
 pub use damper::{Damper, DamperCurve};
