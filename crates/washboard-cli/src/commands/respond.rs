@@ -65,10 +65,11 @@ fn table(o: &RespondOutcome) -> String {
     let unit = |name: &str| o.units.get(name).cloned().unwrap_or_default();
     if let Some(b) = &o.bump {
         let title = format!("<bump of {} m over {} m at {} m/s", b.height_m, b.length_m, o.speed_m_s);
-        let mut head = vec![title.as_str(), "<unit", "peak", "at, s", "settled, s"];
+        let mut head = vec![title.as_str(), "<unit", "peak", "at, s"];
         if !b.reduction.is_empty() {
             head.push("change, %");
         }
+        head.push("settled, s");
         let mut rows = Table::new(&head);
         for (name, peak) in b.peak.iter() {
             let at = b.peak_at_s.get(name).copied().unwrap_or(0.0);
@@ -76,8 +77,9 @@ fn table(o: &RespondOutcome) -> String {
             let settled = settled.map(|s| format!("{s:.2}")).unwrap_or_default();
             // the controller's peak over the passive one, less 1
             let change = b.reduction.get(name).map(|r| format!("{:+.1}", -100.0 * r)).unwrap_or_default();
-            let cells = [name.to_owned(), unit(name), number(*peak), format!("{at:.3}"), settled, change];
-            rows.row(cells.into_iter().take(head.len()));
+            let change = (!b.reduction.is_empty()).then_some(change);
+            let cells = [name.to_owned(), unit(name), number(*peak), format!("{at:.3}")];
+            rows.row(cells.into_iter().chain(change).chain([settled]));
         }
         if !b.reduction.is_empty() {
             return rows.text() + "change: of the peak with the controller, from the peak without it\n";

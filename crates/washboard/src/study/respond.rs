@@ -1,9 +1,8 @@
 //! The job `respond`: a vehicle over a bump in time, or its gains for a pattern of the road over frequency.
 
-use super::bump_metrics::passage_s;
+use super::bump_metrics::{BumpMetrics, passage_s};
 use super::{Input, Named, RespondSpec, StudyError, load_vehicle};
 use crate::linalg::C64;
-use crate::metrics::{SETTLING_BAND, settling_time};
 use crate::units::rad_per_s;
 use crate::vehicle::{Bump, Control, Output, RideError, Vehicle};
 use serde::{Deserialize, Serialize};
@@ -133,8 +132,7 @@ fn over_bump(
 ) -> Result<BumpOutcome, StudyError> {
     let fail = |source| StudyError::Bump { name: spec.vehicle.clone(), source: Box::new(source) };
     let bump = Bump::new(height_m, length_m).map_err(fail)?;
-    let passage_s = passage_s(vehicle, length_m, spec.speed_m_s);
-    let duration_s = passage_s + SETTLING_S;
+    let duration_s = passage_s(vehicle, length_m, spec.speed_m_s) + SETTLING_S;
     // outputs with derivatives of the road's velocity have no response to show
     let outputs: Vec<&Output> =
         vehicle.outputs().iter().filter(|o| o.r[2].iter().all(|v| *v == 0.0)).collect();
@@ -158,12 +156,9 @@ fn over_bump(
         length_m,
         peak: peaks.iter().enumerate().map(|(i, p)| (name(i), p.0)).collect(),
         peak_at_s: peaks.iter().enumerate().map(|(i, p)| (name(i), p.1)).collect(),
-        settling_s: found
-            .outputs
-            .iter()
-            .enumerate()
-            .map(|(i, y)| (name(i), settling_time(&found.time_s, y, SETTLING_BAND, passage_s)))
-            .collect(),
+        settling_s: BumpMetrics::of_outputs(vehicle, control, &outputs, bump, spec.speed_m_s)
+            .map_err(fail)?
+            .settling_s,
         reduction,
         time_s: thin(&found.time_s),
         response: found.outputs.iter().enumerate().map(|(i, y)| (name(i), thin(y))).collect(),
