@@ -113,6 +113,12 @@ fn modes_and_ride_print_tables_and_json() {
     assert!(table.contains("infinite: sprung_displacement"), "{table}");
     let table = folder.ok("ride case:chalasani-full-car --road case:iso8608-b --speed-m-s 20");
     assert!(table.contains("front left") && !table.contains("suspension_travel_front"), "{table}");
+    assert!(table.contains("weighted heave_acceleration") && !table.contains("bottoming"), "{table}");
+    let table = folder.ok(&format!("{line} --stroke-m 0.02"));
+    assert!(table.contains("bottoming, suspension_travel"), "{table}");
+    let metrics = &folder.json(&format!("{line} --stroke-m 0.02"))["metrics"];
+    assert_eq!(metrics["weighted"]["sprung_acceleration"]["weighting"], "W_k");
+    assert!(metrics["tire_load"]["tire_force"]["coefficient"].as_f64().is_some_and(|v| v > 0.0 && v < 1.0));
 }
 
 /// A car with a damper curve: rougher roads soften a digressive one, in the table and in JSON; without one it is refused.

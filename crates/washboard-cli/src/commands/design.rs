@@ -81,8 +81,18 @@ fn table(o: &DesignOutcome) -> String {
     if let Some(no_loop) = o.no_loop() {
         text += &wrapped(&format!("note: {no_loop}"));
     }
-    let parts =
-        [rms(o), peaks(o), goal(o), targets(o), vertices(o), claims(o), truncated(o), gains(o), search(o)];
+    let parts = [
+        rms(o),
+        peaks(o),
+        metrics(o),
+        goal(o),
+        targets(o),
+        vertices(o),
+        claims(o),
+        truncated(o),
+        gains(o),
+        search(o),
+    ];
     parts.into_iter().filter(|p| !p.is_empty()).for_each(|p| text += &format!("\n{p}"));
     if let Some(v) = &o.verified {
         let margin = v.poles.iter().map(|p| -p[0]).fold(f64::INFINITY, f64::min);
@@ -145,6 +155,29 @@ fn peaks(o: &DesignOutcome) -> String {
         rows.row(cells.into_iter().take(columns(o, "").len()));
     }
     if rows.is_empty() { String::new() } else { rows.text() }
+}
+
+/// Worst corners, and the power of all actuators: the page has every corner.
+fn metrics(o: &DesignOutcome) -> String {
+    let Some(m) = &o.metrics else { return String::new() };
+    let mut rows = Table::new(&columns(o, "<metrics"));
+    let mut group = None;
+    for r in m.short_rows(&o.units) {
+        if group != Some(r.group) {
+            rows.row([r.group.heading().to_owned()]);
+            group = Some(r.group);
+        }
+        let show = |v: Option<f64>| v.map(number).unwrap_or_default();
+        let cells = [
+            format!("  {}", r.what),
+            r.unit.clone(),
+            show(r.values[0]),
+            show(r.values[1]),
+            share(r.change()),
+        ];
+        rows.row(cells.into_iter().take(columns(o, "").len()));
+    }
+    if group.is_some() { rows.text() } else { String::new() }
 }
 
 /// The value of the goal: passive, closed, and what none can beat, where these are known.

@@ -69,13 +69,17 @@ fn table(o: &RespondOutcome) -> String {
         if !b.reduction.is_empty() {
             head.push("change, %");
         }
+        head.push("settled, s");
         let mut rows = Table::new(&head);
         for (name, peak) in b.peak.iter() {
             let at = b.peak_at_s.get(name).copied().unwrap_or(0.0);
+            let settled = b.settling_s.get(name).copied().flatten();
+            let settled = settled.map(|s| format!("{s:.2}")).unwrap_or_default();
             // the controller's peak over the passive one, less 1
             let change = b.reduction.get(name).map(|r| format!("{:+.1}", -100.0 * r)).unwrap_or_default();
-            let cells = [name.to_owned(), unit(name), number(*peak), format!("{at:.3}"), change];
-            rows.row(cells.into_iter().take(head.len()));
+            let change = (!b.reduction.is_empty()).then_some(change);
+            let cells = [name.to_owned(), unit(name), number(*peak), format!("{at:.3}")];
+            rows.row(cells.into_iter().chain(change).chain([settled]));
         }
         if !b.reduction.is_empty() {
             return rows.text() + "change: of the peak with the controller, from the peak without it\n";

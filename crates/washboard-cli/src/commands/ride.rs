@@ -21,13 +21,16 @@ pub struct Arguments {
     /// A controller in the loop: what `design -o DIR` wrote, or a JSON file {a, b, c, d, inputs, outputs}.
     #[arg(long, value_name = "FILE")]
     controller: Option<PathBuf>,
+    /// Stroke of every suspension in m, to either side of where it rests: how often it bottoms.
+    #[arg(long, value_name = "S", allow_negative_numbers = true)]
+    stroke_m: Option<f64>,
 }
 
 /// Prints the ride.
 pub fn run(arguments: Arguments, output: Output) -> Result<ExitCode, Failure> {
-    let Arguments { vehicle, road, speed_m_s, controller } = arguments;
+    let Arguments { vehicle, road, speed_m_s, controller, stroke_m } = arguments;
     let progress = output.progress("riding");
-    let result = ride(&RideSpec { vehicle, road, speed_m_s, controller });
+    let result = ride(&RideSpec { vehicle, road, speed_m_s, controller, stroke_m });
     drop(progress);
     let (outcome, inputs) = result?;
     output.print(&Envelope::new("ride", inputs, outcome), table)?;
@@ -81,7 +84,17 @@ fn table(outcome: &RideOutcome) -> String {
     }
     let notes = reasons.iter().map(|(why, of)| format!("infinite: {}: {why}\n", of.join(", ")));
     let said = outcome.notes.iter().map(|n| wrapped(&format!("note: {}", n.text)));
-    table.text() + &notes.chain(said).collect::<String>()
+    table.text() + &notes.chain(said).collect::<String>() + &metrics(outcome)
+}
+
+/// Worst corners: JSON has every corner.
+fn metrics(outcome: &RideOutcome) -> String {
+    let mut table = Table::new(&["<metrics", "<unit", "value", "<reaction"]);
+    for r in outcome.metric_rows() {
+        let [words, _] = r.words;
+        table.row([r.what, r.unit, r.values[0].map(number).unwrap_or_default(), words]);
+    }
+    if table.is_empty() { String::new() } else { format!("\n{}", table.text()) }
 }
 
 const PLACES: [&str; 6] = ["front", "rear", "front_left", "front_right", "rear_left", "rear_right"];

@@ -1,6 +1,15 @@
-//! Measures of roads and rides that standards define.
+//! Measures of roads and rides that standards and engineers' usage define.
 
+mod actuator;
+mod crossing;
 mod iri;
+mod settling;
+mod weighting;
+
+pub use actuator::ActuatorPower;
+pub use crossing::{ExceedanceRate, exceedance};
+pub use settling::{SETTLING_BAND, settling_time};
+pub use weighting::{REACTIONS, Weighting, reactions};
 
 pub use iri::{COARSE_STEP_M, GoldenCar, Iri, IriSegment, IriSettings, MOVING_AVERAGE_M, iri};
 

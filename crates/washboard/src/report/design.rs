@@ -1,6 +1,7 @@
 //! The page of a design: what it buys, its certificate, gains over frequency, poles, and the controller.
 
 use super::design_gains::gains;
+use super::design_metrics::metrics;
 use super::design_tables::{certificate, controller, goal, poles, ride, truncated, vertices};
 use super::design_targets::{search, targets};
 use super::html::{Html, classed, element, note, paragraph};
@@ -15,6 +16,7 @@ type Draw = fn(&DesignOutcome, &mut Plots) -> Option<Html>;
 const SECTIONS: &[(&str, &str, Draw)] = &[
     ("ride", "What it buys", |o, _| o.verified.as_ref().and_then(|_| ride(o))),
     ("passive", "The vehicle without control", |o, _| o.no_loop().and_then(|_| ride(o))),
+    ("metrics", "Metrics", |o, _| metrics(o)),
     ("goal", "The goal", |o, _| goal(o)),
     ("targets", "Goals and bounds", |o, _| targets(o)),
     ("vertices", "Every vehicle that it is for", |o, _| vertices(o)),
@@ -116,7 +118,9 @@ mod tests {
         assert_eq!(plots(rest.split_once("</details>").unwrap().0), outcome.rows().len() - 3);
         assert!(rest.contains("<h3>Tire load</h3>") && rest.contains("<h3>Wheels</h3>"));
         assert!(page.contains("m/s² per m/s") && page.contains("Measures suspension_travel_front in m"));
-        assert_eq!(headings(&page).iter().filter(|h| **h == "closed").count(), 4);
+        assert_eq!(headings(&page).iter().filter(|h| **h == "closed").count(), 6);
+        let metrics = page.split("id=\"metrics\"").nth(1).unwrap();
+        assert!(metrics.contains("Dynamic load coefficient, tire_force (worst)") && metrics.contains("W_k"));
     }
 
     #[test]

@@ -4,6 +4,7 @@ mod argand;
 mod compare;
 mod design;
 mod design_gains;
+mod design_metrics;
 mod design_tables;
 mod design_targets;
 mod figure;

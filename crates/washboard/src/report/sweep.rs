@@ -268,6 +268,7 @@ mod tests {
             h2_relative: Named::default(),
             hinf: Named::default(),
             hinf_relative: Named::default(),
+            metrics: Named::default(),
             warnings: vec![NASTY.to_owned()],
             controller: rms.map(|_| NASTY.to_owned()),
         }

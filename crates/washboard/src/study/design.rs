@@ -4,7 +4,7 @@ use super::beyond_band::continued;
 use super::design_methods::{by_hinf, by_limit, by_lqg};
 use super::design_outcome::{ControllerFile, DesignOutcome, DesignStatus, Gains, Measured};
 use super::design_problem::{GoalBlock, Norm, Problem};
-use super::{DesignMethod, DesignSpec, Flag, Input, Named, StudyError};
+use super::{DesignMethod, DesignSpec, Flag, Input, MetricsSection, Named, StudyError};
 use super::{
     design_advice, design_fixed_order, design_interpolation, design_mixed, design_robust, design_states,
     design_truncated, design_warnings, design_words,
@@ -19,13 +19,15 @@ use crate::vehicle::{Output, RideError};
 /// A vehicle, road or goal that is wrong. A plant that breaks an assumption of the method, or a loop that contradicts
 /// its controller, is an outcome with `status` and `why`.
 pub fn design(spec: &DesignSpec) -> Result<(DesignOutcome, Vec<Input>), StudyError> {
-    design_from(spec, None)
+    design_from(spec, None, Some(spec.metrics.unwrap_or_default()))
 }
 
-/// The same, where a controller of the same signals is at hand: one more start of `fixed-order`, and nothing to the others.
+/// The same, where a controller of the same signals is at hand: one more start of `fixed-order`, and nothing to the others; with metrics
+/// where they are asked for.
 pub(super) fn design_from(
     spec: &DesignSpec,
     neighbour: Option<&ControllerFile>,
+    metrics: Option<MetricsSection>,
 ) -> Result<(DesignOutcome, Vec<Input>), StudyError> {
     spec.check()?;
     let norm = if spec.method == DesignMethod::Hinf { Norm::Hinf } else { Norm::H2 };
@@ -79,6 +81,7 @@ pub(super) fn design_from(
         units: problem.units(),
         gains: Gains::default(),
         forces: Named::default(),
+        metrics: None,
     };
     let goal = problem
         .weighted()
@@ -137,6 +140,11 @@ pub(super) fn design_from(
     {
         let shares = measured.and_then(|m| m.beyond_band.as_ref());
         outcome.notes.extend(shares.and_then(|b| continued(b, &outputs, whose)));
+    }
+    if let Some(section) = metrics {
+        let (found, notes) = problem.metrics(&section, outcome.passive.stable, kept);
+        outcome.metrics = Some(found);
+        outcome.notes.extend(notes);
     }
     outcome.gains = problem.gains(outcome.passive.stable, kept)?;
     let also = fleet.and_then(|f| f.input);

@@ -2,7 +2,7 @@
 
 use super::beyond_band::BeyondBand;
 use super::design_fixed_outcome::FixedOrderOutcome;
-use super::{DesignSpec, Flag, Named, Rms};
+use super::{DesignMetrics, DesignSpec, Flag, Named, Rms};
 use crate::linalg::Mat;
 use crate::lti::{Continuous, LtiError, StateSpace};
 use serde::{Deserialize, Serialize};
@@ -58,6 +58,9 @@ pub struct DesignOutcome {
     pub gains: Gains,
     /// Forces that the controller needs, N rms on the road, by actuator; empty where they are infinite or none.
     pub forces: Named<Rms>,
+    /// Weighted accelerations, tire loads, bottoming, power and bump; of a sweep's points only where `[metrics]` asks for them.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub metrics: Option<DesignMetrics>,
 }
 
 /// How a design ended.

@@ -3,7 +3,7 @@
 use super::design_fixed_spec::{FixedOrderSection, LocalSection, StructureSpec};
 use super::design_goal::plain;
 use super::design_mixed_spec::{LyapunovScaleSpec, MixedSection, PolesSection};
-use super::{Goal, Named, StudyError};
+use super::{Goal, MetricsSection, Named, StudyError};
 use crate::vehicle::Disturbance;
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
@@ -92,6 +92,9 @@ pub struct DesignSpec {
     /// Step of the controller as it is written for use, s; none without it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub discretize: Option<Discretize>,
+    /// What metrics are taken with.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub metrics: Option<MetricsSection>,
 }
 
 fn delay_order() -> usize {
@@ -309,6 +312,7 @@ impl DesignSpec {
             let (field, expected) = ("discretize.dt_s", "1e-9 to 100 s".to_owned());
             return Err(StudyError::Setting { field, expected, found: format!("{:e}", d.dt_s) });
         }
+        self.metrics.iter().try_for_each(MetricsSection::check)?;
         let numbered = |(k, p): (usize, &Named<f64>)| {
             p.iter().map(|(n, v)| ("plant", format!("number {}: {n}", k + 1), *v)).collect::<Vec<_>>()
         };

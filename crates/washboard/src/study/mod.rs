@@ -3,6 +3,7 @@
 //! A command line, a Python module and a web page all fill in a [`Spec`] and show an outcome; none of them computes.
 
 mod beyond_band;
+mod bump_metrics;
 mod checked_design;
 mod checked_result;
 mod compare;
@@ -31,6 +32,8 @@ mod design_interpolation;
 mod design_limits;
 mod design_measure;
 mod design_methods;
+mod design_metric_rows;
+mod design_metrics;
 mod design_mixed;
 mod design_mixed_spec;
 mod design_outcome;
@@ -75,6 +78,7 @@ mod profile_file;
 mod reproduce;
 mod respond;
 mod ride;
+mod ride_metrics;
 mod road_analytic;
 mod road_analytic_data;
 mod road_fit;
@@ -111,6 +115,7 @@ mod sweep_table;
 
 pub use crate::vehicle::Stretch;
 pub use beyond_band::BeyondBand;
+pub use bump_metrics::{BumpMetrics, BumpSpec};
 pub use checked_design::read_design;
 pub use checked_result::read_identification;
 pub use compare::{compare, compare_outcomes};
@@ -125,6 +130,8 @@ pub use design_fixed_spec::{
     FixedOrderSection, FreeEntry, LocalSection, StructureEntry, StructureKind, StructureSpec,
 };
 pub use design_goal::Goal;
+pub use design_metric_rows::{MetricGroup, MetricRow};
+pub use design_metrics::{DesignMetrics, MetricsSection};
 pub use design_mixed_spec::{LyapunovScaleSpec, MixedSection, PolesSection};
 pub use design_outcome::*;
 pub use design_proof_rows::{ClaimRow, GainRow, TruncatedRow, VertexRow, VertexTable};
@@ -149,6 +156,7 @@ pub use reproduce::{
 };
 pub use respond::{BumpOutcome, Direction, GainsOutcome, RespondOutcome, respond};
 pub use ride::{Infinite, RideOutcome, RideSpectra, Rms, ride};
+pub use ride_metrics::{ActuatorUse, RideMetrics, TireLoad, TravelUse, WeightedAcceleration};
 pub use road_analytic::{AnalyticSamples, RoadAnalyticOutcome, RoadAnalyticRun, road_analytic};
 pub use road_fit::{FitOrder, FittedSpectrum, RoadFitOutcome, RoadFitRun, road_fit};
 pub use road_fit_cross::CrossError;

@@ -1,5 +1,6 @@
 //! The job `respond`: a vehicle over a bump in time, or its gains for a pattern of the road over frequency.
 
+use super::bump_metrics::{BumpMetrics, passage_s};
 use super::{Input, Named, RespondSpec, StudyError, load_vehicle};
 use crate::linalg::C64;
 use crate::units::rad_per_s;
@@ -56,6 +57,9 @@ pub struct BumpOutcome {
     pub peak: Named<f64>,
     /// When, s after the first wheel touches the bump.
     pub peak_at_s: Named<f64>,
+    /// From when on a response stays within 5 % of its peak; null where it had not settled for as long as it was looked at.
+    #[serde(default, skip_serializing_if = "Named::is_empty")]
+    pub settling_s: Named<Option<f64>>,
     /// With a controller: 1 − its peak over the passive one, (5.22).
     #[serde(default, skip_serializing_if = "Named::is_empty")]
     pub reduction: Named<f64>,
@@ -128,9 +132,7 @@ fn over_bump(
 ) -> Result<BumpOutcome, StudyError> {
     let fail = |source| StudyError::Bump { name: spec.vehicle.clone(), source: Box::new(source) };
     let bump = Bump::new(height_m, length_m).map_err(fail)?;
-    let x = vehicle.wheels().iter().map(|w| w.at_m[0]);
-    let extent = x.clone().fold(f64::NEG_INFINITY, f64::max) - x.fold(f64::INFINITY, f64::min);
-    let duration_s = (extent + length_m) / spec.speed_m_s + SETTLING_S;
+    let duration_s = passage_s(vehicle, length_m, spec.speed_m_s) + SETTLING_S;
     // outputs with derivatives of the road's velocity have no response to show
     let outputs: Vec<&Output> =
         vehicle.outputs().iter().filter(|o| o.r[2].iter().all(|v| *v == 0.0)).collect();
@@ -154,6 +156,9 @@ fn over_bump(
         length_m,
         peak: peaks.iter().enumerate().map(|(i, p)| (name(i), p.0)).collect(),
         peak_at_s: peaks.iter().enumerate().map(|(i, p)| (name(i), p.1)).collect(),
+        settling_s: BumpMetrics::of_outputs(vehicle, control, &outputs, bump, spec.speed_m_s)
+            .map_err(fail)?
+            .settling_s,
         reduction,
         time_s: thin(&found.time_s),
         response: found.outputs.iter().enumerate().map(|(i, y)| (name(i), thin(y))).collect(),

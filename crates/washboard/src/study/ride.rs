@@ -2,6 +2,7 @@
 
 use super::beyond_band::{BeyondBand, beyond, continued};
 use super::ground::ground;
+use super::ride_metrics::{Judged, RideMetrics, check_stroke};
 use super::{Flag, Input, Named, RideSpec, StudyError, load_vehicle};
 use crate::units::{hz, per_hz_from_two_sided, rad_per_s};
 use crate::vehicle::{Output, Ride, Variance};
@@ -28,6 +29,9 @@ pub struct RideOutcome {
     /// How much of each variance is from where a fitted filter has no data; none of other roads.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub beyond_band: Option<BeyondBand>,
+    /// Weighted accelerations, tire loads, bottoming and power.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub metrics: Option<RideMetrics>,
     /// What is to be known of the road.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub notes: Vec<Flag>,
@@ -79,6 +83,7 @@ impl Rms {
 pub fn ride(spec: &RideSpec) -> Result<(RideOutcome, Vec<Input>), StudyError> {
     let loaded = load_vehicle(&spec.vehicle)?;
     check_speed(spec.speed_m_s)?;
+    check_stroke("stroke_m", spec.stroke_m)?;
     let (ground, vehicle, road_inputs) = ground(&loaded, &spec.road, spec.speed_m_s)?;
     let fail = |source| StudyError::Ride { name: loaded.name.clone(), source };
     let control = match &spec.controller {
@@ -108,7 +113,17 @@ pub fn ride(spec: &RideSpec) -> Result<(RideOutcome, Vec<Input>), StudyError> {
         None => None,
     };
     notes.extend(beyond_band.as_ref().and_then(|b| continued(b, &outputs, "")));
+    let judged = Judged {
+        vehicle: &vehicle,
+        speed_m_s: spec.speed_m_s,
+        stroke_m: spec.stroke_m,
+        controlled: control.is_some(),
+    };
+    let metrics = RideMetrics::of(&ride, &judged)
+        .map_err(|e| notes.push(Flag { name: "metrics".into(), text: format!("no metrics: {e}") }))
+        .ok();
     let outcome = RideOutcome {
+        metrics,
         speed_m_s: spec.speed_m_s,
         rms,
         infinite,
@@ -191,6 +206,7 @@ mod tests {
             road: format!("case:{road}"),
             speed_m_s: 20.0,
             controller: None,
+            stroke_m: None,
         }
     }
 

@@ -65,6 +65,9 @@ pub struct RideSpec {
     /// A controller in the loop: a design's directory or `result.json`, or a file `{a, b, c, d, inputs, outputs}`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub controller: Option<PathBuf>,
+    /// Stroke of every suspension to either side of where it rests: how often it bottoms.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub stroke_m: Option<f64>,
 }
 
 /// A vehicle over a bump, or for a pattern of the road.

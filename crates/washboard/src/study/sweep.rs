@@ -120,7 +120,9 @@ fn compute(
         at: plan.points[index].at.clone(),
         started_from: near.and(before).map(|b| b.outcome.point.index),
     };
-    let (inputs, result) = match design_from(&plan.opened(index), near) {
+    let design = plan.opened(index);
+    // thousands of points have metrics where these are asked for
+    let (inputs, result) = match design_from(&design, near, design.metrics) {
         Ok((mut outcome, inputs)) => {
             let own = &plan.points[index].design;
             // names as they are written: the same from wherever the sweep is started

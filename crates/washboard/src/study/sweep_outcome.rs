@@ -104,6 +104,9 @@ pub struct SweepPoint {
     pub hinf: Named<f64>,
     /// As multiples.
     pub hinf_relative: Named<f64>,
+    /// The loop's metrics, of the worst corner, where the design has `[metrics]`; the passive vehicle's where there is no loop.
+    #[serde(default, skip_serializing_if = "Named::is_empty")]
+    pub metrics: Named<f64>,
     /// Names of the design's warnings.
     pub warnings: Vec<String>,
     /// The file with the controller.
@@ -195,6 +198,7 @@ impl SweepPoint {
             h2_relative: Named::default(),
             hinf: Named::default(),
             hinf_relative: Named::default(),
+            metrics: Named::default(),
             warnings: Vec::new(),
             controller: None,
         };
@@ -208,6 +212,8 @@ impl SweepPoint {
         (row.status, row.why, row.order) = (o.status.into(), o.why.clone(), o.order);
         row.objective = o.objective.clone();
         row.warnings = o.warnings.iter().map(|w| w.name.clone()).collect();
+        let metrics = o.metrics.iter().flat_map(|m| m.short_rows(&o.units));
+        row.metrics = metrics.filter_map(|r| Some((r.key, r.values[1].or(r.values[0])?))).collect();
         row.controller = o.controller.as_ref().map(|_| file.to_owned());
         if let Some(closed) = &o.verified {
             let Measured { rms, h2, hinf, .. } = closed;

@@ -21,6 +21,15 @@ pub struct Bump {
     pub length_m: f64,
 }
 
+/// Whose modes have samples.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Modes {
+    /// All of the loop.
+    Loop,
+    /// The vehicle's without its controller.
+    Vehicle,
+}
+
 /// Outputs after a bump.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BumpResponse {
@@ -113,6 +122,20 @@ impl Vehicle {
         duration_s: f64,
         control: Option<&Control>,
     ) -> Result<BumpResponse, BumpError> {
+        self.bump_response_for(outputs, bump, speed_m_s, duration_s, control, Modes::Loop)
+    }
+
+    /// The same with samples for the vehicle's own modes or for the loop's: exact at its samples either way, but a controller may have
+    /// modes of a thousandth of the bump's time, which a smooth bump moves no faster than itself.
+    pub(crate) fn bump_response_for(
+        &self,
+        outputs: &[&Output],
+        bump: Bump,
+        speed_m_s: f64,
+        duration_s: f64,
+        control: Option<&Control>,
+        modes: Modes,
+    ) -> Result<BumpResponse, BumpError> {
         for (field, found) in [("speed_m_s", speed_m_s), ("duration_s", duration_s)] {
             if !(found.is_finite() && found > 0.0) {
                 return Err(BumpError::Field { field, expected: "a positive number", found });
@@ -142,7 +165,11 @@ impl Vehicle {
         if let Some(p) = poles.iter().find(|p| p.re >= 0.0) {
             return Err(BumpError::NotStable { re: p.re, im: p.im });
         }
-        let fastest = poles.iter().map(|p| p.norm()).fold(1.0, f64::max);
+        let seen = match (modes, control) {
+            (Modes::Vehicle, Some(_)) => StateSpace::poles(&self.actuated(&[], &[])?).map_err(lti)?,
+            _ => poles,
+        };
+        let fastest = seen.iter().map(|p| p.norm()).fold(1.0, f64::max);
         let wanted = (bump.length_m / speed_m_s).min(TAU / fastest) / STEPS;
         let dt_s = wanted;
         if duration_s / dt_s > MOST_SAMPLES as f64 {

@@ -16,18 +16,21 @@ mod multi_axle;
 mod overrides;
 mod parametric;
 mod plant;
+mod ports;
 mod quarter_car;
 mod response;
 mod ride;
 mod sensors;
 mod simulate;
 mod spec;
+mod statics;
 #[cfg(test)]
 mod test_cases;
 mod truck_cabin;
 mod values;
 
 pub use bounce_truck::BounceTruck;
+pub(crate) use bump::Modes as BumpModes;
 pub use bump::{Bump, BumpError, BumpResponse};
 pub use controlled::{Control, ControlError};
 pub use damper::{Damper, DamperCurve};
@@ -47,6 +50,7 @@ pub use simulate::{
     Drive, DriveSettings, Flaws, SPEED_RAMP_S, SimulateError, Stretch, drive, drive_stretches, simulate,
 };
 pub use spec::{Model, VehicleSpec};
+pub use statics::GRAVITY_M_S2;
 pub use truck_cabin::{CabinAxle, TruckCabin};
 pub use values::{Axle, LeftRight};
 

@@ -166,7 +166,13 @@ fn even(low: f64, high: f64, count: usize) -> impl Iterator<Item = f64> {
 }
 
 fn ridden(vehicle: &str, road: &str) -> RideOutcome {
-    let spec = RideSpec { vehicle: vehicle.into(), road: road.into(), speed_m_s: SPEED, controller: None };
+    let spec = RideSpec {
+        vehicle: vehicle.into(),
+        road: road.into(),
+        speed_m_s: SPEED,
+        controller: None,
+        stroke_m: None,
+    };
     let (outcome, inputs) = ride(&spec).unwrap();
     // as a user reads it
     let text = serde_json::to_string(&Envelope::new("ride", inputs, outcome)).unwrap();

@@ -28,7 +28,8 @@ fn a_written_filter_rides_as_its_road() {
     let folder = Folder::new("ride");
     let rms = |vehicle: &str, road: &str, name: &str| {
         let (vehicle, road) = (vehicle.to_owned(), road.to_owned());
-        let (o, _) = ride(&RideSpec { vehicle, road, speed_m_s: 20.0, controller: None }).unwrap();
+        let (o, _) =
+            ride(&RideSpec { vehicle, road, speed_m_s: 20.0, controller: None, stroke_m: None }).unwrap();
         o.rms.get(name).unwrap().finite().unwrap()
     };
     for (road, band, tolerance) in [

@@ -1,5 +1,6 @@
 //! A vehicle on a road: spectra, rms and covariance of its outputs.
 
+mod filtered;
 mod quadrature;
 
 use super::driven::{Driven, Growth, sources};
@@ -109,6 +110,8 @@ pub struct Ride<'a> {
     control: Option<&'a Control>,
     /// Every wheel as if on a road of its own: sizes that cancellations are judged by.
     apart: bool,
+    /// Filters behind the outputs of an integral.
+    behind: Option<&'a filtered::Behind>,
 }
 
 impl<'a> Ride<'a> {
@@ -140,7 +143,7 @@ impl<'a> Ride<'a> {
             return Err(RideError::Points { expected: vehicle.wheels().len(), found: filter.size() });
         }
         let places = vehicle.wheel_places();
-        Ok(Ride { vehicle, road, speed_m_s, places, control: None, apart: false })
+        Ok(Ride { vehicle, road, speed_m_s, places, control: None, apart: false, behind: None })
     }
 
     /// A ride with a controller in its loop.

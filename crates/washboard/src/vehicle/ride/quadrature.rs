@@ -200,12 +200,15 @@ impl Ride<'_> {
                     *value += 2.0 * (h[(i, a)].conj() * s[(a, b)] * h[(i, b)]).re;
                 }
             }
+            if let Some(behind) = self.behind {
+                *value *= behind.power_gain(i, omega)?;
+            }
         }
         Ok(())
     }
 
     /// (1/π) ∫ S dω of every output, and of the same were every wheel on a road of its own: what cancels is judged by.
-    fn integrate_spectra(&self, outputs: &[&Output]) -> Result<Vec<f64>, RideError> {
+    pub(super) fn integrate_spectra(&self, outputs: &[&Output]) -> Result<Vec<f64>, RideError> {
         if outputs.is_empty() {
             return Ok(Vec::new());
         }
@@ -284,7 +287,8 @@ impl Ride<'_> {
     }
 
     fn pole_sizes(&self) -> Vec<f64> {
-        self.poles().map(|p| p.iter().map(|p| p.norm()).collect()).unwrap_or_default()
+        let own: Vec<f64> = self.poles().map(|p| p.iter().map(|p| p.norm()).collect()).unwrap_or_default();
+        own.into_iter().chain(self.behind.iter().flat_map(|b| b.corners_rad_s.iter().copied())).collect()
     }
 
     /// Band edges, poles and corners, and panels that follow e^{iωτ} of the longest delay.
