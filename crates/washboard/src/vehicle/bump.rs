@@ -1,8 +1,8 @@
 //! A single bump under a vehicle, in time: exact between samples but for the road, which is straight from one to the next.
 
 use super::{Control, ControlError, Disturbance, Output, PlantError, PlantSettings, Vehicle};
-use crate::linalg::Mat;
-use crate::lti::{Hold, StateSpace};
+use crate::linalg::{C64, Mat};
+use crate::lti::{Continuous, Hold, StateSpace};
 use crate::road::{Coherence, Road, Spectrum};
 use std::f64::consts::{PI, TAU};
 use thiserror::Error;
@@ -28,6 +28,12 @@ pub struct BumpResponse {
     pub time_s: Vec<f64>,
     /// One series an output.
     pub outputs: Vec<Vec<f64>>,
+}
+
+/// A vehicle, in the loop or not, whose every wheel has a road of its own: from velocities to outputs, and all poles.
+pub(super) struct OwnRoads {
+    pub closed: StateSpace<Continuous>,
+    pub poles: Vec<C64>,
 }
 
 /// What is refused.
@@ -118,7 +124,38 @@ impl Vehicle {
                 return Err(BumpError::Field { field, expected: "a positive number", found });
             }
         }
-        // every wheel its own input: its bump is computed, not delayed by a filter
+        let OwnRoads { closed, poles } = self.on_own_roads(outputs, speed_m_s, control)?;
+        let lti = |e| BumpError::Plant(PlantError::Lti(e));
+        let fastest = poles.iter().map(|p| p.norm()).fold(1.0, f64::max);
+        let wanted = (bump.length_m / speed_m_s).min(TAU / fastest) / STEPS;
+        let dt_s = wanted;
+        if duration_s / dt_s > MOST_SAMPLES as f64 {
+            return Err(BumpError::TooShort {
+                length_m: bump.length_m,
+                least_m: duration_s / MOST_SAMPLES as f64 * STEPS * speed_m_s,
+            });
+        }
+        let samples = (duration_s / dt_s).ceil() as usize + 1;
+        let ahead = self.wheels().iter().map(|w| w.at_m[0]).fold(f64::NEG_INFINITY, f64::max);
+        let touched: Vec<f64> = self.wheels().iter().map(|w| (ahead - w.at_m[0]) / speed_m_s).collect();
+        let rows: Vec<Vec<f64>> = (0..samples)
+            .map(|k| touched.iter().map(|t| bump.velocity(dt_s * k as f64 - t, speed_m_s)).collect())
+            .collect();
+        let y = closed.respond(&rows, dt_s, Hold::First).map_err(lti)?;
+        Ok(BumpResponse {
+            time_s: (0..samples).map(|k| dt_s * k as f64).collect(),
+            outputs: (0..outputs.len()).map(|i| y.iter().map(|row| row[i]).collect()).collect(),
+        })
+    }
+
+    /// From the road's velocity under every wheel, each by itself, to outputs; stable.
+    pub(super) fn on_own_roads(
+        &self,
+        outputs: &[&Output],
+        speed_m_s: f64,
+        control: Option<&Control>,
+    ) -> Result<OwnRoads, BumpError> {
+        // every wheel its own input: its road is computed, not delayed by a filter
         let flat = Spectrum::white_velocity(1.0).map_err(|_| PlantError::NoFilter)?;
         let road = Road::new(flat, Coherence::Independent);
         let settings = PlantSettings {
@@ -142,26 +179,7 @@ impl Vehicle {
         if let Some(p) = poles.iter().find(|p| p.re >= 0.0) {
             return Err(BumpError::NotStable { re: p.re, im: p.im });
         }
-        let fastest = poles.iter().map(|p| p.norm()).fold(1.0, f64::max);
-        let wanted = (bump.length_m / speed_m_s).min(TAU / fastest) / STEPS;
-        let dt_s = wanted;
-        if duration_s / dt_s > MOST_SAMPLES as f64 {
-            return Err(BumpError::TooShort {
-                length_m: bump.length_m,
-                least_m: duration_s / MOST_SAMPLES as f64 * STEPS * speed_m_s,
-            });
-        }
-        let samples = (duration_s / dt_s).ceil() as usize + 1;
-        let ahead = self.wheels().iter().map(|w| w.at_m[0]).fold(f64::NEG_INFINITY, f64::max);
-        let touched: Vec<f64> = self.wheels().iter().map(|w| (ahead - w.at_m[0]) / speed_m_s).collect();
-        let rows: Vec<Vec<f64>> = (0..samples)
-            .map(|k| touched.iter().map(|t| bump.velocity(dt_s * k as f64 - t, speed_m_s)).collect())
-            .collect();
-        let y = closed.respond(&rows, dt_s, Hold::First).map_err(lti)?;
-        Ok(BumpResponse {
-            time_s: (0..samples).map(|k| dt_s * k as f64).collect(),
-            outputs: (0..outputs.len()).map(|i| y.iter().map(|row| row[i]).collect()).collect(),
-        })
+        Ok(OwnRoads { closed, poles })
     }
 }
 
@@ -179,7 +197,7 @@ impl BumpResponse {
 
 impl Control {
     /// K with a row for every actuator of the vehicle: zero where it drives none.
-    fn on_all_actuators(&self, vehicle: &Vehicle) -> StateSpace<crate::lti::Continuous> {
+    fn on_all_actuators(&self, vehicle: &Vehicle) -> StateSpace<Continuous> {
         let k = self.controller();
         let spread = Mat::from_fn(vehicle.actuators().len(), k.outputs(), |i, j| {
             f64::from(u8::from(self.actuators()[j] == i))
