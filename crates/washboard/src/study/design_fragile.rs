@@ -237,3 +237,62 @@ fn hidden(
     let text = format!("the loop has a mode that the goal does not see: {}", parts.join("; "));
     Ok((!parts.is_empty()).then(|| Flag { name: "hidden-mode".into(), text }))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::study::design_problem::Norm;
+    use crate::study::{DesignSpec, Goal, InterpolationSection, Named, design};
+
+    /// At its peak a lightly damped mode is all but alone.
+    const OTHERS: f64 = 0.05;
+
+    fn named(pairs: &[(&str, f64)]) -> Named<f64> {
+        pairs.iter().map(|(n, v)| ((*n).to_owned(), *v)).collect()
+    }
+
+    #[test]
+    fn the_mode_that_a_matched_acceleration_hides_is_seen() {
+        // thesis, (4.53): matched to a tire of 20 times the damping, the wheel swings on at √(k_t/m_u)
+        let spec = DesignSpec {
+            vehicle: "case:turkay-quarter-car".into(),
+            road: "case:turkay-white-velocity".into(),
+            speed_m_s: 20.0,
+            measurements: vec!["suspension_travel".into()],
+            method: DesignMethod::Interpolation,
+            r#override: named(&[("tire_damping_n_s_per_m", 98.0)]),
+            interpolation: Some(InterpolationSection {
+                fictitious_tire_damping_n_s_per_m: 1960.0,
+                band_rad_s: 100.0,
+                tolerance: 0.05,
+                psi: Some([500.0, 10.0]),
+            }),
+            ..DesignSpec::default()
+        };
+        let outcome = design(&spec).unwrap().0;
+        let k = outcome.controller.as_ref().unwrap().state_space().unwrap();
+        let of = |goal: &str| {
+            let goal = Goal { minimize: named(&[(goal, 1.0)]), ..Goal::default() };
+            let only = DesignSpec { method: DesignMethod::Lqg, interpolation: None, goal, ..spec.clone() };
+            let problem = Problem::new(&only, Norm::H2).unwrap();
+            let closed = problem.plant.close(&k).unwrap();
+            hidden(&problem, &closed, &outcome).unwrap()
+        };
+        let text = of("sprung_acceleration").unwrap().text;
+        assert!(
+            text.contains("one at 10.61 Hz with 2.0 % of damping does not show in sprung_acceleration"),
+            "{text}"
+        );
+        let words: Vec<&str> = text.split_once("makes ").unwrap().1.split(' ').collect();
+        let peak = |of: &Named<f64>| *of.get(words[0]).unwrap();
+        let ratio = peak(&outcome.verified.as_ref().unwrap().hinf) / peak(&outcome.passive.hinf);
+        let said: f64 = words[1].parse().unwrap();
+        assert!(ratio > 5.0 && (said / ratio - 1.0).abs() < OTHERS, "{text}: {ratio}");
+        // a goal that shows it hides nothing
+        assert!(of("tire_deflection").is_none());
+        let warned = &outcome.warnings.iter().find(|w| w.name == "peak").unwrap().text;
+        let gain = |of: &Named<Vec<f64>>| of.get("suspension_travel").unwrap()[0];
+        let fold = gain(&outcome.gains.closed) / gain(&outcome.gains.passive);
+        assert!(warned.contains(&format!("suspension_travel {fold:.0} times at 0.05 Hz")), "{warned}");
+    }
+}
