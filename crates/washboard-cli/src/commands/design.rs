@@ -91,6 +91,7 @@ fn table(o: &DesignOutcome) -> String {
         claims(o),
         truncated(o),
         gains(o),
+        robustness(o),
         search(o),
     ];
     parts.into_iter().filter(|p| !p.is_empty()).for_each(|p| text += &format!("\n{p}"));
@@ -305,4 +306,21 @@ fn gains(o: &DesignOutcome) -> String {
         rows.row([r.name.to_owned(), r.unit.clone()].into_iter().chain(values));
     }
     if rows.is_empty() { String::new() } else { rows.text() }
+}
+
+/// One number changed by itself, by kinds of numbers; and an actuator in the loop.
+fn robustness(o: &DesignOutcome) -> String {
+    let share = o.robustness.as_ref().map_or(0.0, |r| 100.0 * r.share);
+    let head = format!("<one number by ±{share:.0} %");
+    let mut rows = Table::new(&[&head, "numbers", "<loop", "goal %", "<worst"]);
+    for r in o.robustness_rows() {
+        let goal = r.goal.map(|g| format!("{:+.1}", 100.0 * g)).unwrap_or_default();
+        rows.row([r.what.clone(), r.count.to_string(), r.stable_words(), goal, r.worst.clone()]);
+    }
+    let mut actuator = Table::new(&["<with an actuator", "<"]);
+    for (what, answer) in o.actuator_rows() {
+        actuator.row([what, answer]);
+    }
+    let parts = [rows, actuator].into_iter().filter(|t| !t.is_empty()).map(|t| t.text());
+    parts.collect::<Vec<_>>().join("\n")
 }

@@ -1,8 +1,13 @@
 //! The page of a design: what it buys, its certificate, gains over frequency, poles, and the controller.
 
+use super::design_bode::bode;
 use super::design_gains::gains;
 use super::design_metrics::metrics;
-use super::design_tables::{certificate, controller, goal, poles, ride, truncated, vertices};
+use super::design_poles::poles;
+use super::design_responses::responses;
+use super::design_robustness::robustness;
+use super::design_sketch::sketch;
+use super::design_tables::{certificate, controller, goal, ride, truncated, vertices};
 use super::design_targets::{search, targets};
 use super::html::{Html, classed, element, note, paragraph};
 use super::numbers::significant;
@@ -14,6 +19,7 @@ type Draw = fn(&DesignOutcome, &mut Plots) -> Option<Html>;
 
 /// Anchor, heading and body of each section, in the order of the page.
 const SECTIONS: &[(&str, &str, Draw)] = &[
+    ("vehicle", "The vehicle", |o, _| sketch(o)),
     ("ride", "What it buys", |o, _| o.verified.as_ref().and_then(|_| ride(o))),
     ("passive", "The vehicle without control", |o, _| o.no_loop().and_then(|_| ride(o))),
     ("metrics", "Metrics", |o, _| metrics(o)),
@@ -21,10 +27,13 @@ const SECTIONS: &[(&str, &str, Draw)] = &[
     ("targets", "Goals and bounds", |o, _| targets(o)),
     ("vertices", "Every vehicle that it is for", |o, _| vertices(o)),
     ("gains", "Gains over frequency", gains),
+    ("responses", "Responses in time", responses),
+    ("robustness", "Robustness", |o, _| robustness(o)),
     ("certificate", "Claimed and recomputed", |o, _| certificate(o)),
     ("truncated", "Fewer states", |o, _| truncated(o)),
     ("search", "The search", |o, _| search(o)),
-    ("poles", "Poles", |o, _| poles(o)),
+    ("poles", "Poles", poles),
+    ("bode", "The controller over frequency", bode),
     ("controller", "The controller", |o, _| controller(o)),
 ];
 
@@ -118,7 +127,7 @@ mod tests {
         assert_eq!(plots(rest.split_once("</details>").unwrap().0), outcome.rows().len() - 3);
         assert!(rest.contains("<h3>Tire load</h3>") && rest.contains("<h3>Wheels</h3>"));
         assert!(page.contains("m/s² per m/s") && page.contains("Measures suspension_travel_front in m"));
-        assert_eq!(headings(&page).iter().filter(|h| **h == "closed").count(), 6);
+        assert_eq!(headings(&page).iter().filter(|h| **h == "closed").count(), 7);
         let metrics = page.split("id=\"metrics\"").nth(1).unwrap();
         assert!(metrics.contains("Dynamic load coefficient, tire_force (worst)") && metrics.contains("W_k"));
     }

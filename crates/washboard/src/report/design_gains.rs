@@ -2,8 +2,11 @@
 
 use super::design::capital;
 use super::html::{Html, classed, element, note};
-use super::plot::{Axis, Plot, Plots, Role};
+use super::plot::{Axis, Line, Mark, Plot, Plots, Role};
 use crate::study::{DesignOutcome, ResponseGroup, ResponseRow};
+
+/// Colour and dashes of bounds.
+const BOUND: usize = 2;
 
 /// Plots of outputs of the goal and of the force; then, behind a click, of all others.
 pub(super) fn gains(o: &DesignOutcome, plots: &mut Plots) -> Option<Html> {
@@ -38,7 +41,7 @@ pub(super) fn gains(o: &DesignOutcome, plots: &mut Plots) -> Option<Html> {
             count += plots.0.len() - before;
         }
     }
-    let mut body = asked.and(note(what));
+    let mut body = asked.and(note(what)).and(constraints(o));
     if count > 0 {
         let summary = element("summary", &[], format!("The other {count} outputs, by groups"));
         body.push(element("details", &[], summary.and(more)));
@@ -69,6 +72,32 @@ fn plot(o: &DesignOutcome, r: &ResponseRow<'_>) -> Option<Plot> {
             plot = plot.curve(label, role, values(v));
         }
     }
+    if let Some(bound) = o.gain_bounds().get(r.name) {
+        let line = Line::new([low, high], [*bound, *bound], "bound");
+        plot.lines.push(Line { sign: Some(BOUND), ..line });
+    }
+    let here = o.invariant.iter().filter(|p| p.output == r.name && !plot.series.is_empty());
+    plot.marks = here.map(|p| Mark::new(p.freq_hz, p.symbol.as_str())).collect();
     plot.group = "frequency".to_owned();
     (!plot.series.is_empty()).then_some(plot)
+}
+
+/// What the lines and marks in the plots are.
+fn constraints(o: &DesignOutcome) -> Html {
+    let mut text = Vec::new();
+    if !o.gain_bounds().is_empty() {
+        text.push("Dashed lines are bounds of the goal.".to_owned());
+    }
+    if let Some(first) = o.invariant.first() {
+        let how = if first.exact {
+            "no controller changes the response"
+        } else {
+            "controllers change the response little, and not at all were the tire without damping"
+        };
+        text.push(format!(
+            "Marks are frequencies at which {how}: ω₁ of the travel, where body and wheel together swing on the tire, and ω₂ of the \
+             body's acceleration, where the wheel alone does."
+        ));
+    }
+    if text.is_empty() { Html::default() } else { note(text.join(" ")) }
 }

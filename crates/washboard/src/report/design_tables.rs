@@ -10,11 +10,13 @@ use crate::study::{
 
 /// More poles than these are shown on demand.
 const MANY_POLES: usize = 16;
+/// The caption of the table that has a limit.
+const RMS: &str = "rms on the road";
 /// An imaginary part below this share of a pole is rounding.
 const REAL: f64 = 1e-12;
 
-/// What a table shows of a row: unit, passive, closed, change.
-type Cells = fn(&DesignOutcome, &ResponseRow<'_>) -> [Html; 4];
+/// What a table shows of a row: unit, passive, then closed and its change, the limit and its.
+type Cells = fn(&DesignOutcome, &ResponseRow<'_>) -> [Html; 6];
 
 /// rms and largest gains by groups; corners on demand. Without a loop, the passive vehicle's alone.
 pub(super) fn ride(o: &DesignOutcome) -> Option<Html> {
@@ -25,9 +27,9 @@ pub(super) fn ride(o: &DesignOutcome) -> Option<Html> {
     let (whole, corners): (Vec<_>, Vec<_>) = rows.into_iter().partition(|r| r.corner_of.is_none());
     let gain = format!("largest gain, per {} of the disturbance", o.per());
     let both = |rows: &[ResponseRow<'_>]| {
-        responses(o, "rms on the road", rows, rms_cells).and(responses(o, &gain, rows, peak_cells))
+        responses(o, RMS, rows, rms_cells).and(responses(o, &gain, rows, peak_cells))
     };
-    let mut body = both(&whole).and(note(
+    let mut body = both(&whole).and(limit_note(o)).and(note(
         "rms are of the road's part alone, at the speed given; largest gains are H∞ norms from the design's disturbance. A \
          name that has corners stands for all of them: the root of the sum of their squares, and their joint gain.",
     ));
@@ -39,40 +41,63 @@ pub(super) fn ride(o: &DesignOutcome) -> Option<Html> {
 }
 
 fn responses(o: &DesignOutcome, caption: &str, rows: &[ResponseRow<'_>], cells: Cells) -> Html {
-    let head = ["output", "unit", "#passive", "#closed", "#change"];
-    let columns = if o.verified.is_some() { 5 } else { 3 };
+    let head = ["output", "unit", "#passive", "#closed", "#change", "#limit", "#its change"];
+    let limited = caption == RMS && rows.iter().any(|r| r.limit.is_some());
+    let shown: Vec<usize> = (0..head.len())
+        .filter(|k| match k {
+            0..=2 => true,
+            3..=4 => o.verified.is_some(),
+            _ => limited,
+        })
+        .collect();
     let mut body: Vec<Vec<Html>> = Vec::new();
     for group in ResponseGroup::ALL {
         let own: Vec<&ResponseRow<'_>> = rows.iter().filter(|r| r.group == group).collect();
         if !own.is_empty() {
-            let mut heading = vec![Html::default(); columns];
+            let mut heading = vec![Html::default(); shown.len()];
             heading[0] = element("strong", &[], capital(group.heading()));
             body.push(heading);
         }
         for r in own {
-            body.push(std::iter::once(r.name.into()).chain(cells(o, r)).take(columns).collect());
+            let all: Vec<Html> = std::iter::once(r.name.into()).chain(cells(o, r)).collect();
+            body.push(shown.iter().filter_map(|k| all.get(*k).cloned()).collect());
         }
     }
-    table(caption, &head[..columns], body)
+    table(caption, &shown.iter().map(|k| head[*k]).collect::<Vec<_>>(), body)
 }
 
-fn rms_cells(_: &DesignOutcome, r: &ResponseRow<'_>) -> [Html; 4] {
+fn rms_cells(_: &DesignOutcome, r: &ResponseRow<'_>) -> [Html; 6] {
     let shown = |r: Option<Rms>| match r {
         Some(Rms::Finite(v)) => significant(v, 4).into(),
         Some(Rms::Infinite(_)) => "infinite".into(),
         None => "–".into(),
     };
-    [r.unit.into(), shown(r.rms[0]), shown(r.rms[1]), percent(r.rms_change())]
+    let (passive, closed) = (shown(r.rms[0]), shown(r.rms[1]));
+    [r.unit.into(), passive, closed, percent(r.rms_change()), shown(r.limit), percent(r.limit_change())]
 }
 
-fn peak_cells(o: &DesignOutcome, r: &ResponseRow<'_>) -> [Html; 4] {
+fn peak_cells(o: &DesignOutcome, r: &ResponseRow<'_>) -> [Html; 6] {
     let shown = |v: Option<f64>| v.map_or_else(|| "–".into(), |v| Html::from(significant(v, 4)));
     let unit = format!("{} per {}", r.unit, o.per());
-    [unit.into(), shown(r.peak[0]), shown(r.peak[1]), percent(r.peak_change())]
+    let (passive, closed) = (shown(r.peak[0]), shown(r.peak[1]));
+    [unit.into(), passive, closed, percent(r.peak_change()), Html::default(), Html::default()]
 }
 
 fn percent(change: Option<f64>) -> Html {
     change.map_or_else(|| "–".into(), |c| format!("{} %", signed(100.0 * c, 1)).into())
+}
+
+/// What the column of the limit is.
+fn limit_note(o: &DesignOutcome) -> Html {
+    let Some(limit) = o.limit.as_ref().filter(|l| !l.rms.is_empty()) else { return Html::default() };
+    let weights: Vec<String> =
+        limit.weights.iter().map(|(name, w)| format!("{name} {}", significant(*w, 3))).collect();
+    note(format!(
+        "The limit is the regulator that sees every state, for the H2 norms of {}: their weighted sum of squares is {} there, and no \
+         controller brings that sum lower. A single output may be smaller than its limit, where another one pays for it.",
+        weights.join(", "),
+        significant(limit.value, 4)
+    ))
 }
 
 /// The goal's value: passive, closed, limit, as far as they are known.

@@ -13,10 +13,11 @@ pub(super) const SCRIPTS: [&str; 5] = [
     include_str!("../../assets/shapes.js"),
     include_str!("../../assets/sweep.js"),
 ];
-pub(super) const STYLES: [&str; 3] = [
+pub(super) const STYLES: [&str; 4] = [
     include_str!("../../assets/report.css"),
     include_str!("../../assets/shapes.css"),
     include_str!("../../assets/sweep.css"),
+    include_str!("../../assets/sketch.css"),
 ];
 
 /// A part of the page that a link leads to.

@@ -6,8 +6,8 @@ use super::design_outcome::{ControllerFile, DesignOutcome, DesignStatus, Gains, 
 use super::design_problem::{GoalBlock, Norm, Problem};
 use super::{DesignMethod, DesignSpec, Flag, Input, MetricsSection, Named, StudyError};
 use super::{
-    design_advice, design_fixed_order, design_interpolation, design_mixed, design_robust, design_states,
-    design_truncated, design_warnings, design_words,
+    design_advice, design_beside, design_fixed_order, design_interpolation, design_mixed, design_robust,
+    design_states, design_truncated, design_warnings, design_words,
 };
 use crate::lti::{Continuous, StateSpace};
 use crate::synthesis::SynthesisError;
@@ -19,15 +19,25 @@ use crate::vehicle::{Output, RideError};
 /// A vehicle, road or goal that is wrong. A plant that breaks an assumption of the method, or a loop that contradicts
 /// its controller, is an outcome with `status` and `why`.
 pub fn design(spec: &DesignSpec) -> Result<(DesignOutcome, Vec<Input>), StudyError> {
-    design_from(spec, None, Some(spec.metrics.unwrap_or_default()))
+    design_with(spec, None, Some(spec.metrics.unwrap_or_default()), true)
 }
 
-/// The same, where a controller of the same signals is at hand: one more start of `fixed-order`, and nothing to the others; with metrics
-/// where they are asked for.
+/// The controller and its certificate, where a controller of the same signals is at hand: one more start of `fixed-order`,
+/// and nothing to the others; with metrics where they are asked for.
 pub(super) fn design_from(
     spec: &DesignSpec,
     neighbour: Option<&ControllerFile>,
     metrics: Option<MetricsSection>,
+) -> Result<(DesignOutcome, Vec<Input>), StudyError> {
+    design_with(spec, neighbour, metrics, false)
+}
+
+/// `whole`: what a page shows beside the certificate, too, and a sweep of many designs has no time for.
+fn design_with(
+    spec: &DesignSpec,
+    neighbour: Option<&ControllerFile>,
+    metrics: Option<MetricsSection>,
+    whole: bool,
 ) -> Result<(DesignOutcome, Vec<Input>), StudyError> {
     spec.check()?;
     let norm = if spec.method == DesignMethod::Hinf { Norm::Hinf } else { Norm::H2 };
@@ -80,6 +90,11 @@ pub(super) fn design_from(
             .collect(),
         units: problem.units(),
         gains: Gains::default(),
+        limit: None,
+        vehicle: None,
+        invariant: Vec::new(),
+        responses: None,
+        robustness: None,
         forces: Named::default(),
         metrics: None,
     };
@@ -147,6 +162,9 @@ pub(super) fn design_from(
         outcome.notes.extend(notes);
     }
     outcome.gains = problem.gains(outcome.passive.stable, kept)?;
+    if whole {
+        design_beside::beside(&problem, kept, &mut outcome);
+    }
     let also = fleet.and_then(|f| f.input);
     Ok((outcome, problem.inputs.into_iter().chain(also).collect()))
 }

@@ -103,30 +103,39 @@ impl Problem {
         let step = (GAINS_HZ[1] / GAINS_HZ[0]).ln() / (POINTS - 1) as f64;
         let freq_hz: Vec<f64> = (0..POINTS).map(|i| GAINS_HZ[0] * (step * i as f64).exp()).collect();
         let omegas: Vec<f64> = freq_hz.iter().map(|f| rad_per_s(*f)).collect();
-        let of = |g: &StateSpace<Continuous>| -> Result<Named<Vec<f64>>, StudyError> {
-            let responses = g.frequency_response(&omegas).map_err(design)?;
-            let own = self.blocks().into_iter().map(|(name, members)| {
-                let gain = |r: &CMat| {
-                    let rows: Vec<C64> = members
-                        .iter()
-                        .flat_map(|i| (0..r.ncols()).map(move |j| (*i, j)))
-                        .map(|(i, j)| r[(i, j)])
-                        .collect();
-                    let block = CMat::from_fn(members.len(), r.ncols(), |i, j| rows[i * r.ncols() + j]);
-                    block.singular_values().ok().and_then(|s| s.first().copied()).unwrap_or(f64::NAN)
-                };
-                let values: Vec<f64> = responses.iter().map(gain).collect();
-                let still = values.iter().all(|v| *v <= floor(&self.reported, g, &name));
-                (name, if still { vec![0.0; values.len()] } else { values })
-            });
-            Ok(own.collect())
-        };
+        let of = |g: &StateSpace<Continuous>| self.gains_at(g, &omegas);
         let passive = if passive_is_stable { of(&self.plant.passive())? } else { Named::default() };
         let closed = match controller {
             Some(k) => of(&self.plant.close(k).map_err(design)?)?,
             None => Named::default(),
         };
         Ok(Gains { freq_hz, passive, closed })
+    }
+
+    /// Largest singular values of the blocks at some frequencies, of a system from the disturbances to what is reported.
+    pub fn gains_at(
+        &self,
+        g: &StateSpace<Continuous>,
+        omegas: &[f64],
+    ) -> Result<Named<Vec<f64>>, StudyError> {
+        let design =
+            |e: LtiError| StudyError::Design { name: self.spec.vehicle.clone(), source: Box::new(e.into()) };
+        let responses = g.frequency_response(omegas).map_err(design)?;
+        let own = self.blocks().into_iter().map(|(name, members)| {
+            let gain = |r: &CMat| {
+                let rows: Vec<C64> = members
+                    .iter()
+                    .flat_map(|i| (0..r.ncols()).map(move |j| (*i, j)))
+                    .map(|(i, j)| r[(i, j)])
+                    .collect();
+                let block = CMat::from_fn(members.len(), r.ncols(), |i, j| rows[i * r.ncols() + j]);
+                block.singular_values().ok().and_then(|s| s.first().copied()).unwrap_or(f64::NAN)
+            };
+            let values: Vec<f64> = responses.iter().map(gain).collect();
+            let still = values.iter().all(|v| *v <= floor(&self.reported, g, &name));
+            (name, if still { vec![0.0; values.len()] } else { values })
+        });
+        Ok(own.collect())
     }
 }
 

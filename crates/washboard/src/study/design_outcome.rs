@@ -2,7 +2,10 @@
 
 use super::beyond_band::BeyondBand;
 use super::design_fixed_outcome::FixedOrderOutcome;
-use super::{DesignMetrics, DesignSpec, Flag, Named, Rms};
+use super::{
+    DesignLimit, DesignMetrics, DesignResponses, DesignSpec, DesignVehicle, Flag, InvariantPoint, Named, Rms,
+    Robustness,
+};
 use crate::linalg::Mat;
 use crate::lti::{Continuous, LtiError, StateSpace};
 use serde::{Deserialize, Serialize};
@@ -56,6 +59,21 @@ pub struct DesignOutcome {
     pub units: Named<String>,
     /// Gains over frequency from the disturbances to each output (largest singular value), passive and closed.
     pub gains: Gains,
+    /// What no controller beats with the same weights; none of a point of a sweep.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub limit: Option<DesignLimit>,
+    /// The vehicle, as far as a drawing needs it; none of a point of a sweep.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub vehicle: Option<DesignVehicle>,
+    /// Frequencies at which no controller changes a response (quarter cars).
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub invariant: Vec<InvariantPoint>,
+    /// In time, over a bump and on a stretch of road; none of a point of a sweep.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub responses: Option<DesignResponses>,
+    /// The loop with each number changed by itself, and with an actuator; none of a point of a sweep.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub robustness: Option<Robustness>,
     /// Forces that the controller needs, N rms on the road, by actuator; empty where they are infinite or none.
     pub forces: Named<Rms>,
     /// Weighted accelerations, tire loads, bottoming, power and bump; of a sweep's points only where `[metrics]` asks for them.

@@ -76,6 +76,8 @@ pub struct ResponseRow<'a> {
     pub unit: &'a str,
     /// rms on the road: passive, closed.
     pub rms: [Option<Rms>; 2],
+    /// rms of the H2 limit.
+    pub limit: Option<Rms>,
     /// Largest gain from the disturbance: passive, closed.
     pub peak: [Option<f64>; 2],
 }
@@ -93,6 +95,12 @@ impl ResponseRow<'_> {
     pub fn rms_change(&self) -> Option<f64> {
         let [before, after] = self.rms.map(|r| r.and_then(Rms::finite));
         change(before?, after?)
+    }
+
+    /// The rms of the H2 limit over the passive one, less 1.
+    #[must_use]
+    pub fn limit_change(&self) -> Option<f64> {
+        change(self.rms[0].and_then(Rms::finite)?, self.limit.and_then(Rms::finite)?)
     }
 
     /// The same of the largest gains.
@@ -126,6 +134,7 @@ impl DesignOutcome {
                 .find(|base| groups.get(base).is_none() && is_corner_of(name, base)),
             unit: self.units.get(name).map_or("", String::as_str),
             rms: [self.passive.rms.get(name).copied(), closed.and_then(|c| c.rms.get(name)).copied()],
+            limit: self.limit.as_ref().and_then(|l| l.rms.get(name)).copied(),
             peak: [self.passive.hinf.get(name).copied(), closed.and_then(|c| c.hinf.get(name)).copied()],
         };
         let all: Vec<ResponseRow<'_>> = names.iter().copied().map(row).collect();

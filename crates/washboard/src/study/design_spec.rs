@@ -3,7 +3,7 @@
 use super::design_fixed_spec::{FixedOrderSection, LocalSection, StructureSpec};
 use super::design_goal::plain;
 use super::design_mixed_spec::{LyapunovScaleSpec, MixedSection, PolesSection};
-use super::{Goal, MetricsSection, Named, StudyError};
+use super::{ActuatorSection, Goal, MetricsSection, Named, StudyError};
 use crate::vehicle::Disturbance;
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
@@ -89,6 +89,9 @@ pub struct DesignSpec {
     /// How long `fixed-order` looks.
     #[serde(default, rename = "fixed-order", skip_serializing_if = "Option::is_none")]
     pub fixed_order: Option<FixedOrderSection>,
+    /// What stands between the controller and the forces: the loop with it is looked at.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub actuator: Option<ActuatorSection>,
     /// Step of the controller as it is written for use, s; none without it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub discretize: Option<Discretize>,
@@ -326,6 +329,7 @@ impl DesignSpec {
             let expected = "finite numbers".to_owned();
             return Err(StudyError::Setting { field, expected, found: format!("{name} = {v}") });
         }
+        self.check_actuator()?;
         self.check_fixed_order()?;
         self.check_inequalities()
     }

@@ -1,8 +1,8 @@
 //! A single bump under a vehicle, in time: exact between samples but for the road, which is straight from one to the next.
 
 use super::{Control, ControlError, Disturbance, Output, PlantError, PlantSettings, Vehicle};
-use crate::linalg::Mat;
-use crate::lti::{Hold, StateSpace};
+use crate::linalg::{C64, Mat};
+use crate::lti::{Continuous, Hold, StateSpace};
 use crate::road::{Coherence, Road, Spectrum};
 use std::f64::consts::{PI, TAU};
 use thiserror::Error;
@@ -37,6 +37,12 @@ pub struct BumpResponse {
     pub time_s: Vec<f64>,
     /// One series an output.
     pub outputs: Vec<Vec<f64>>,
+}
+
+/// A vehicle, in the loop or not, whose every wheel has a road of its own: from velocities to outputs, and all poles.
+pub(super) struct OwnRoads {
+    pub closed: StateSpace<Continuous>,
+    pub poles: Vec<C64>,
 }
 
 /// What is refused.
@@ -141,30 +147,8 @@ impl Vehicle {
                 return Err(BumpError::Field { field, expected: "a positive number", found });
             }
         }
-        // every wheel its own input: its bump is computed, not delayed by a filter
-        let flat = Spectrum::white_velocity(1.0).map_err(|_| PlantError::NoFilter)?;
-        let road = Road::new(flat, Coherence::Independent);
-        let settings = PlantSettings {
-            road: (&road).into(),
-            speed_m_s,
-            disturbance: Disturbance::RoadVelocity,
-            delay_order: 0,
-        };
-        let measured: Vec<&Output> = control.iter().flat_map(|c| c.measurements()).collect();
-        let plant = self.plant(outputs, &measured, &settings)?;
+        let OwnRoads { closed, poles } = self.on_own_roads(outputs, speed_m_s, control)?;
         let lti = |e| BumpError::Plant(PlantError::Lti(e));
-        let closed = match control {
-            Some(c) => plant.close(&c.on_all_actuators(self)).map_err(lti)?,
-            None => plant.passive(),
-        };
-        // heights that are integrated, and modes that nothing shows, do not count
-        let poles = match control {
-            Some(c) => c.poles().to_vec(),
-            None => StateSpace::poles(&self.actuated(&[], &[])?).map_err(lti)?,
-        };
-        if let Some(p) = poles.iter().find(|p| p.re >= 0.0) {
-            return Err(BumpError::NotStable { re: p.re, im: p.im });
-        }
         let seen = match (modes, control) {
             (Modes::Vehicle, Some(_)) => StateSpace::poles(&self.actuated(&[], &[])?).map_err(lti)?,
             _ => poles,
@@ -190,6 +174,40 @@ impl Vehicle {
             outputs: (0..outputs.len()).map(|i| y.iter().map(|row| row[i]).collect()).collect(),
         })
     }
+
+    /// From the road's velocity under every wheel, each by itself, to outputs; stable.
+    pub(super) fn on_own_roads(
+        &self,
+        outputs: &[&Output],
+        speed_m_s: f64,
+        control: Option<&Control>,
+    ) -> Result<OwnRoads, BumpError> {
+        // every wheel its own input: its road is computed, not delayed by a filter
+        let flat = Spectrum::white_velocity(1.0).map_err(|_| PlantError::NoFilter)?;
+        let road = Road::new(flat, Coherence::Independent);
+        let settings = PlantSettings {
+            road: (&road).into(),
+            speed_m_s,
+            disturbance: Disturbance::RoadVelocity,
+            delay_order: 0,
+        };
+        let measured: Vec<&Output> = control.iter().flat_map(|c| c.measurements()).collect();
+        let plant = self.plant(outputs, &measured, &settings)?;
+        let lti = |e| BumpError::Plant(PlantError::Lti(e));
+        let closed = match control {
+            Some(c) => plant.close(&c.on_all_actuators(self)).map_err(lti)?,
+            None => plant.passive(),
+        };
+        // heights that are integrated, and modes that nothing shows, do not count
+        let poles = match control {
+            Some(c) => c.poles().to_vec(),
+            None => StateSpace::poles(&self.actuated(&[], &[])?).map_err(lti)?,
+        };
+        if let Some(p) = poles.iter().find(|p| p.re >= 0.0) {
+            return Err(BumpError::NotStable { re: p.re, im: p.im });
+        }
+        Ok(OwnRoads { closed, poles })
+    }
 }
 
 impl BumpResponse {
@@ -206,7 +224,7 @@ impl BumpResponse {
 
 impl Control {
     /// K with a row for every actuator of the vehicle: zero where it drives none.
-    fn on_all_actuators(&self, vehicle: &Vehicle) -> StateSpace<crate::lti::Continuous> {
+    fn on_all_actuators(&self, vehicle: &Vehicle) -> StateSpace<Continuous> {
         let k = self.controller();
         let spread = Mat::from_fn(vehicle.actuators().len(), k.outputs(), |i, j| {
             f64::from(u8::from(self.actuators()[j] == i))

@@ -20,6 +20,7 @@ mod ports;
 mod quarter_car;
 mod response;
 mod ride;
+mod road_run;
 mod sensors;
 mod simulate;
 mod spec;
@@ -46,6 +47,7 @@ pub use plant::{DELAY_ORDER, Disturbance, PlantError, PlantSettings};
 pub use quarter_car::QuarterCar;
 pub use response::{Response, ResponseMode, ResponseOutput, ResponseReal};
 pub use ride::{Ride, RideError, Variance};
+pub use road_run::{RoadRun, RoadRunError};
 pub use simulate::{
     Drive, DriveSettings, Flaws, SPEED_RAMP_S, SimulateError, Stretch, drive, drive_stretches, simulate,
 };

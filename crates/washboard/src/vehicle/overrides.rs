@@ -37,6 +37,32 @@ impl VehicleSpec {
         serde_json::from_value(file).map_err(|e| wrong(e.to_string()))
     }
 
+    /// Every number of the file that is not 0, by its dotted name, as fields that are to change together: of `matrices` all
+    /// entries of M, of C and C_w, of K and K_w, since a road that is lifted lifts the vehicle as it stands.
+    #[must_use]
+    pub fn parameters(&self) -> Vec<(String, Vec<(String, f64)>)> {
+        let file = serde_json::to_value(self).unwrap_or_default();
+        let all: Vec<(String, f64)> = leaves(&file[self.model.name()])
+            .into_iter()
+            .filter(|(_, value)| *value != 0.0)
+            .map(|(path, value)| (path.join("."), value))
+            .collect();
+        if self.matrices.is_none() {
+            return all.into_iter().map(|(name, value)| (name.clone(), vec![(name, value)])).collect();
+        }
+        let groups: [(&str, &[&str]); 3] = [
+            ("m", &["m."]),
+            ("c, wheel_damping", &["c.", "wheel_damping."]),
+            ("k, wheel_stiffness", &["k.", "wheel_stiffness."]),
+        ];
+        let of = |heads: &[&str]| {
+            let own = all.iter().filter(|(name, _)| heads.iter().any(|h| name.starts_with(h)));
+            own.cloned().collect::<Vec<_>>()
+        };
+        let groups = groups.into_iter().map(|(name, heads)| (name.to_owned(), of(heads)));
+        groups.filter(|(_, fields)| !fields.is_empty()).collect()
+    }
+
     /// Names of the dampings that are 0.
     #[must_use]
     pub fn undamped(&self) -> Vec<String> {
