@@ -67,13 +67,15 @@ fn accelerations(context: &Context, sheet: &mut Sheet, rho: [f64; 2]) -> Result<
 
 fn tire_gain(context: &Context, sheet: &mut Sheet, rho: [f64; 2]) -> Result<(), ReproduceError> {
     let of: [Of<'_>; 2] = [("passive", &|d| d.gains[0]), ("active", &|d| d.gains[1])];
-    panel(sheet, &*sweep(context, rho)?, rho, ("", "‖WT_zw‖∞", "‖WT_zw‖∞"), &of);
+    let found = sweep(context, rho)?;
+    panel(sheet, &found, rho, ("", "‖WT_zw‖∞", "‖WT_zw‖∞"), &of);
     Ok(())
 }
 
 fn forces(context: &Context, sheet: &mut Sheet, rho: [f64; 2]) -> Result<(), ReproduceError> {
     let of: [Of<'_>; 2] = [("u₁", &|d| d.active[6]), ("u₂", &|d| d.active[7])];
-    panel(sheet, &*sweep(context, rho)?, rho, ("", "Forces", "rms force, N"), &of);
+    let found = sweep(context, rho)?;
+    panel(sheet, &found, rho, ("", "Forces", "rms force, N"), &of);
     Ok(())
 }
 

@@ -52,12 +52,14 @@ pub(super) fn damped_to_the_ground(_: &Context) -> Shown {
 pub(super) fn controller_of_q(_: &Context) -> Shown {
     let plant = CORRECTED.plant([0.0; 2], Disturbance::RoadVelocity)?;
     let g = plant.system().at(C64::new(0.0, 2.0))?;
-    let (nz, nw, ny, nu) = (plant.nz(), plant.nw(), plant.ny(), plant.nu());
+    // z without the forces
+    let (nz, nw, ny, nu) = (6, plant.nw(), plant.ny(), plant.nu());
+    let first = plant.nz();
     let block = |i: usize, j: usize, rows: usize, columns: usize| {
         CMat::from_fn(rows, columns, |a, b| g[(i + a, j + b)])
     };
     let (g11, g12) = (block(0, 0, nz, nw), block(0, nw, nz, nu));
-    let (g21, g22) = (block(nz, 0, ny, nw), block(nz, nw, ny, nu));
+    let (g21, g22) = (block(first, 0, ny, nw), block(first, nw, ny, nu));
     let q = CMat::from_fn(2, 2, |i, j| C64::from([[1000.0, 200.0], [-300.0, 800.0]][i][j]));
     let identity = || CMat::from_fn(2, 2, |i, j| C64::from(f64::from(u8::from(i == j))));
     let inverse = |m: &CMat| solve_complex(m, &identity());

@@ -57,7 +57,8 @@ pub(super) fn unit_of_roll_stiffness(_: &Context) -> Shown {
 /// Unstable poles of the loop with the controller truncated to order 6.
 pub(super) fn truncation(context: &Context) -> Shown {
     let unstable = |decay: f64| -> Result<f64, ReproduceError> {
-        let closed = truncated(&*design(context, EXAMPLE, decay)?, 6)?;
+        let found = design(context, EXAMPLE, decay)?;
+        let closed = truncated(&found, 6)?;
         Ok(closed.poles()?.iter().filter(|p| p.re >= 0.0).count() as f64)
     };
     Ok(vec![shown(
@@ -89,7 +90,8 @@ pub(super) fn measurements(_: &Context) -> Shown {
 
 /// Row n_K = 6 beside the truncated LMI design, which is better in all five.
 pub(super) fn fixed_order_rows(context: &Context) -> Shown {
-    let closed = truncated(&*design(context, EXAMPLE, DECAY)?, 6)?;
+    let found = design(context, EXAMPLE, DECAY)?;
+    let closed = truncated(&found, 6)?;
     let mut all = vec![
         shown("n_K = 6: ‖T_r∞ξ‖₂", 0.0237, h2(&closed, &TIRE)?),
         shown("n_K = 6: ‖T_r₂₂ξ‖₂", 0.0765, h2(&closed, &TRAVEL)?),

@@ -42,7 +42,7 @@ pub(super) const LATER: &[Entry] = &[
         [
             "§6.2.2, decreases by tire damping of the active cars; 12 % and 3 % of (1, 1)",
             "designs of a solver that need not end at the least cost",
-            "not determined to the printed digits: the optimum is flat; the rear travel and tire fall half as much as the front",
+            "not determined to the printed digits: the optimum is flat; the rear travel and tire fall less than the front ones",
         ],
         errata_6::above_the_optimum,
     ),
@@ -148,7 +148,7 @@ pub(super) const LATER: &[Entry] = &[
         [
             "§8.3.1: magnitudes \"do not change at the heave and the wheel-hop natural frequencies of the truck bounce model\"",
             "no change",
-            "up to a third at 3.5 Hz, up to a quarter at 17 Hz",
+            "up to 32 % less at 3.5 Hz, up to 27 % more at 17 Hz",
         ],
         errata_8::unchanged,
     ),
@@ -163,7 +163,7 @@ pub(super) const LATER: &[Entry] = &[
         [
             "§8.3.1, \"the warp input\" [1 0 0 −1]",
             "warp",
-            "half of it is: the warp direction of chapter 7, [1 −1 −1 1], moves neither heave nor pitch",
+            "half pitch and half roll: chapter 7's warp, [1 −1 −1 1], has no share in it, and moves neither heave nor pitch",
         ],
         errata_8::warp,
     ),
