@@ -4,7 +4,10 @@ use super::beyond_band::continued;
 use super::design_methods::{by_hinf, by_limit, by_lqg};
 use super::design_outcome::{ControllerFile, DesignOutcome, DesignStatus, Gains, Measured};
 use super::design_problem::{GoalBlock, Norm, Problem};
-use super::{DesignMethod, DesignSpec, Flag, Input, Named, StudyError};
+use super::{
+    DesignMethod, DesignSpec, Flag, Input, LoadedExcitation, LoadedVehicle, Named, StudyError,
+    load_excitation, load_vehicle,
+};
 use super::{
     design_advice, design_fixed_order, design_interpolation, design_mixed, design_robust, design_states,
     design_truncated, design_warnings, design_words,
@@ -28,8 +31,18 @@ pub(super) fn design_from(
     neighbour: Option<&ControllerFile>,
 ) -> Result<(DesignOutcome, Vec<Input>), StudyError> {
     spec.check()?;
+    design_on(spec, load_vehicle(&spec.vehicle)?, load_excitation(&spec.road)?, neighbour)
+}
+
+/// The same for a vehicle and a road that are at hand under the names that the spec has.
+pub(super) fn design_on(
+    spec: &DesignSpec,
+    vehicle: LoadedVehicle,
+    road: LoadedExcitation,
+    neighbour: Option<&ControllerFile>,
+) -> Result<(DesignOutcome, Vec<Input>), StudyError> {
     let norm = if spec.method == DesignMethod::Hinf { Norm::Hinf } else { Norm::H2 };
-    let problem = Problem::new(spec, norm)?;
+    let problem = Problem::on(spec, norm, vehicle, road)?;
     if spec.method == DesignMethod::Interpolation {
         design_interpolation::check(&problem)?;
     }

@@ -1,10 +1,10 @@
 //! The job `ride`: what reaches body, suspension and tires on a road.
 
 use super::beyond_band::{BeyondBand, beyond, continued};
-use super::ground::ground;
+use super::ground::{Ground, ground};
 use super::{Flag, Input, Named, RideSpec, StudyError, load_vehicle};
 use crate::units::{hz, per_hz_from_two_sided, rad_per_s};
-use crate::vehicle::{Output, Ride, Variance};
+use crate::vehicle::{Control, Output, Ride, Variance, Vehicle};
 use serde::{Deserialize, Serialize};
 
 /// Where spectra are looked at, Hz; cut to the road's band.
@@ -80,19 +80,32 @@ pub fn ride(spec: &RideSpec) -> Result<(RideOutcome, Vec<Input>), StudyError> {
     let loaded = load_vehicle(&spec.vehicle)?;
     check_speed(spec.speed_m_s)?;
     let (ground, vehicle, road_inputs) = ground(&loaded, &spec.road, spec.speed_m_s)?;
-    let fail = |source| StudyError::Ride { name: loaded.name.clone(), source };
     let control = match &spec.controller {
         Some(path) => Some(super::controller_files::control(&vehicle, path)?),
         None => None,
     };
-    let ride = match &control {
-        Some((control, _)) => Ride::controlled(&vehicle, ground.excitation(), spec.speed_m_s, control),
-        None => Ride::new(&vehicle, ground.excitation(), spec.speed_m_s),
+    let outcome = ride_on(&loaded.name, &vehicle, &ground, spec.speed_m_s, control.as_ref().map(|(c, _)| c))?;
+    let inputs = loaded.inputs.into_iter().chain(road_inputs).chain(control.map(|(_, input)| input));
+    Ok((outcome, inputs.collect()))
+}
+
+/// The ride of a vehicle that stands on its road, with a controller or without.
+pub(super) fn ride_on(
+    name: &str,
+    vehicle: &Vehicle,
+    ground: &Ground,
+    speed_m_s: f64,
+    control: Option<&Control>,
+) -> Result<RideOutcome, StudyError> {
+    let fail = |source| StudyError::Ride { name: name.to_owned(), source };
+    let ride = match control {
+        Some(control) => Ride::controlled(vehicle, ground.excitation(), speed_m_s, control),
+        None => Ride::new(vehicle, ground.excitation(), speed_m_s),
     }
     .map_err(fail)?;
     let outputs: Vec<&Output> = vehicle.outputs().iter().collect();
     let variances = ride.variances(&outputs).map_err(fail)?;
-    let freq_hz = grid_hz(ground.excitation().band_rad_s(spec.speed_m_s));
+    let freq_hz = grid_hz(ground.excitation().band_rad_s(speed_m_s));
     let mut psd = vec![Vec::with_capacity(freq_hz.len()); outputs.len()];
     for f in &freq_hz {
         let s = ride.spectrum(&outputs, rad_per_s(*f)).map_err(fail)?;
@@ -108,17 +121,15 @@ pub fn ride(spec: &RideSpec) -> Result<(RideOutcome, Vec<Input>), StudyError> {
         None => None,
     };
     notes.extend(beyond_band.as_ref().and_then(|b| continued(b, &outputs, "")));
-    let outcome = RideOutcome {
-        speed_m_s: spec.speed_m_s,
+    Ok(RideOutcome {
+        speed_m_s,
         rms,
         infinite,
         units,
         spectra: RideSpectra { freq_hz, psd },
         beyond_band,
         notes,
-    };
-    let inputs = loaded.inputs.into_iter().chain(road_inputs).chain(control.map(|(_, input)| input));
-    Ok((outcome, inputs.collect()))
+    })
 }
 
 /// Refuses a speed that is none, before it is blamed on a vehicle.
