@@ -70,19 +70,18 @@ pub fn run(a: Arguments, output: Output) -> Result<ExitCode, Failure> {
         convention: a.convention,
     });
     drop(progress);
-    finish("identify", result?, &title, a.output.as_deref(), a.overwrite, output)
+    finish(result?, &title, a.output.as_deref(), a.overwrite, output)
 }
 
-/// Writes and prints what an identification (or the demo) found.
-pub fn finish(
-    command: &str,
+/// Writes and prints what an identification found.
+fn finish(
     run: IdentifyRun,
     title: &str,
     dir: Option<&Path>,
     overwrite: bool,
     output: Output,
 ) -> Result<ExitCode, Failure> {
-    let envelope = Envelope::new(command, run.inputs, run.outcome);
+    let envelope = Envelope::new("identify", run.inputs, run.outcome);
     if let Some(dir) = dir {
         let page = identify_page(&envelope.outcome, title);
         let mut files =
@@ -95,7 +94,8 @@ pub fn finish(
     Ok(if envelope.outcome.converged { ExitCode::SUCCESS } else { ExitCode::from(1) })
 }
 
-fn table(o: &IdentifyOutcome) -> String {
+/// What was found, as it is printed.
+pub fn table(o: &IdentifyOutcome) -> String {
     let mut text = recording(o);
     for flag in &o.flags {
         text += &wrapped(&format!("! {}: {}", flag.name, flag.text));

@@ -7,9 +7,9 @@ use serde::Serialize;
 use std::path::PathBuf;
 use std::process::ExitCode;
 use washboard::files::write_whole;
-use washboard::report::{compare_page, design_page, identify_page, reproduce_page, sweep_page};
+use washboard::report::{compare_page, demo_page, design_page, identify_page, reproduce_page, sweep_page};
 use washboard::study::{
-    CompareOutcome, Envelope, ReproduceOutcome, SweepDirectory, is_result_of, read_design,
+    CompareOutcome, DemoOutcome, Envelope, ReproduceOutcome, SweepDirectory, is_result_of, read_design,
     read_identification, read_result,
 };
 
@@ -32,6 +32,11 @@ pub fn run(arguments: Arguments, output: Output) -> Result<ExitCode, Failure> {
     let (inputs, text) = if is_result_of(&arguments.directory, "compare") {
         let result = read_result::<CompareOutcome>(&file)?;
         (result.inputs, compare_page(&result.outcome, &compare::title(&result.outcome)))
+    } else if is_result_of(&arguments.directory, "demo") {
+        // its identification's numbers are checked as any other's
+        read_identification(&file)?;
+        let result = read_result::<DemoOutcome>(&file)?;
+        (result.inputs, demo_page(&result.outcome, "washboard demo"))
     } else if is_result_of(&arguments.directory, "sweep") {
         let sweep = SweepDirectory::open(&arguments.directory)?;
         let (outcome, details) = sweep.outcome()?;
@@ -48,11 +53,7 @@ pub fn run(arguments: Arguments, output: Output) -> Result<ExitCode, Failure> {
         (result.inputs, reproduce_page(&result.outcome))
     } else {
         let (_, result) = read_identification(&file)?;
-        let title = match result.command.as_str() {
-            "demo" => "washboard demo",
-            _ => &result.outcome.recording.name,
-        };
-        let text = identify_page(&result.outcome, title);
+        let text = identify_page(&result.outcome, &result.outcome.recording.name);
         (result.inputs, text)
     };
     write_whole(&page, text.as_bytes())?;

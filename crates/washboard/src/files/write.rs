@@ -92,7 +92,7 @@ pub fn build_directory<E: From<FileError>>(
 }
 
 /// What a result's directory may hold. Overwriting takes the directory away as a whole: nobody's data may be in it.
-const RESULT_FILES: [&str; 9] = [
+const RESULT_FILES: [&str; 15] = [
     "result.json",
     "report.html",
     "vehicle.toml",
@@ -101,6 +101,12 @@ const RESULT_FILES: [&str; 9] = [
     "controller.mat",
     "controller.h",
     "errata.md",
+    "filter.toml",
+    "lmi.toml",
+    "lmi-controller.json",
+    "fixed-order.toml",
+    "fixed-order-controller.json",
+    "demo.svg",
     FIGURES,
 ];
 /// A folder of figures: SVG files and nothing else.

@@ -2,6 +2,8 @@
 
 mod argand;
 mod compare;
+mod demo;
+mod demo_picture;
 mod design;
 mod design_bode;
 mod design_gains;
@@ -45,6 +47,8 @@ mod fixture;
 
 use crate::study::IdentifyOutcome;
 pub use compare::compare_page;
+pub use demo::demo_page;
+pub use demo_picture::demo_svg;
 pub use design::design_page;
 pub use figure::figure_svg;
 pub use reproduce::reproduce_page;
@@ -93,10 +97,7 @@ const SECTIONS: &[(&str, &str, Draw)] = &[
 #[must_use]
 pub fn identify_page(outcome: &IdentifyOutcome, title: &str) -> String {
     let mut plots = Plots::default();
-    let sections = SECTIONS
-        .iter()
-        .filter_map(|(id, heading, draw)| draw(outcome, &mut plots).map(|body| Section { id, heading, body }))
-        .collect();
+    let sections = identify_sections(outcome, &mut plots);
     let page = Page {
         title,
         subtitle: headline::subtitle(outcome),
@@ -106,6 +107,14 @@ pub fn identify_page(outcome: &IdentifyOutcome, title: &str) -> String {
         plots,
     };
     page.write()
+}
+
+/// The sections that have something to show.
+fn identify_sections(outcome: &IdentifyOutcome, plots: &mut Plots) -> Vec<Section> {
+    SECTIONS
+        .iter()
+        .filter_map(|(id, heading, draw)| draw(outcome, plots).map(|body| Section { id, heading, body }))
+        .collect()
 }
 
 #[cfg(test)]

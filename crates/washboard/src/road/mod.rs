@@ -22,7 +22,7 @@ pub use matrix_filter_file::{MatrixFilterKind, MatrixFilterSpec};
 pub(crate) use measured::detrended;
 pub use measured::{MeasuredSpectrum, spectrum_of_profile};
 pub use profile::{ProfileSettings, random_profile};
-pub use spec::{CoherenceSpec, FilterOutput, FilterVariable, RoadKind, RoadSpec};
+pub use spec::{CoherenceKind, CoherenceSpec, FilterOutput, FilterVariable, RoadKind, RoadSpec};
 pub use spectrum::{IsoClass, Spectrum};
 pub use under_wheels::{SAME_TRACK_M, wheel_spectrum};
 

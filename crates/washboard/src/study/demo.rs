@@ -1,69 +1,119 @@
-//! The job `demo`: a published car is driven over a road, and identified without a look at the truth.
+//! The job `demo`, from drive to design: a car is driven and identified, controllers are designed for what was found, and the
+//! true car judges them beside controllers that were designed with the truth.
 
-use super::identify::identify_recording;
-use super::identify_outcome::{TrueMode, Truth};
-use super::sensors::default_sensors;
-use super::{DemoSpec, IdentifyMethod, IdentifyRun, IdentifySpec, StudyError, load_road, load_vehicle};
-use crate::lti::Parametric;
-use crate::vehicle::{DriveSettings, ParametricVehicle, simulate};
-use rand::{Rng, SeedableRng};
-use rand_chacha::ChaCha8Rng;
+use super::demo_designs::{Judge, METHODS, Place, design_at, pair};
+use super::demo_drive::{SPEED_M_S, drive, identify};
+use super::demo_outcome::{DemoDesigns, DemoOutcome};
+use super::demo_road::filter;
+use super::{DemoSpec, Files, Input, LoadedRoad, LoadedVehicle, StudyError, load_road, load_vehicle};
+use std::time::{Duration, Instant};
 
 const VEHICLE: &str = "case:guiggiani-full-car";
 const ROAD: &str = "case:iso8608-c";
-/// Every parameter of the start is off by up to this share.
-const START_ERROR: f64 = 0.3;
-/// Noise of the sensors, as a multiple of each channel's rms.
-const NOISE: f64 = 0.02;
-const SPEED_M_S: f64 = 20.0;
-const DURATION_S: f64 = 1200.0;
-const RATE_HZ: f64 = 200.0;
 
-/// Twenty minutes of the paper's car on a class C road at 20 m/s, identified from a start off by up to 30 %.
+/// An outcome, the files to go on with, and how long each part took.
+#[derive(Debug, Clone)]
+pub struct DemoRun {
+    /// What was found.
+    pub outcome: DemoOutcome,
+    /// vehicle.toml, road.toml, filter.toml, and a design file and a controller a method.
+    pub files: Files,
+    /// Every case that was read.
+    pub inputs: Vec<Input>,
+    /// Parts in their order; no part of the outcome, which is the same for the same seed.
+    pub times: Vec<(&'static str, Duration)>,
+}
+
+/// Twenty minutes of the paper's car on a class C road at 20 m/s, identified from a start off by up to 30 %; the road's filter;
+/// controllers by matrix inequalities and of fixed order, on the identified car and on the true one, all in the true car.
 ///
 /// # Errors
 /// None that a user's input could cause.
-pub fn demo(spec: &DemoSpec) -> Result<IdentifyRun, StudyError> {
-    let (loaded, road) = (load_vehicle(VEHICLE)?, load_road(ROAD)?);
-    let sensors: Vec<_> =
-        default_sensors(&loaded, NOISE)?.into_iter().map(|s| (s.channel, s.flaws)).collect();
-    let settings =
-        DriveSettings { speed_m_s: SPEED_M_S, duration_s: DURATION_S, rate_hz: RATE_HZ, seed: spec.seed };
-    let recording = simulate(&loaded.vehicle, &road.road, &sensors, &settings)?;
-    let of_case = |source| StudyError::Vehicle { name: VEHICLE.to_owned(), source };
-    let (family, _) = ParametricVehicle::new(&loaded.spec, recording.channels(), recording.wheels(), &[])
-        .map_err(of_case)?;
-    let mut rng = ChaCha8Rng::seed_from_u64(spec.seed);
-    rng.set_stream(u64::MAX);
-    let wrong: Vec<f64> =
-        family.start().iter().map(|v| v * (1.0 + START_ERROR * rng.random_range(-1.0..=1.0))).collect();
-    let start = family.spec_at(&wrong).map_err(|found| StudyError::Setting {
-        field: "vehicle",
-        expected: "a start that makes a vehicle".into(),
-        found,
-    })?;
-    let settings = IdentifySpec {
-        recording: "demo".into(),
-        method: IdentifyMethod::Physical,
-        ..IdentifySpec::default()
+pub fn demo(spec: &DemoSpec) -> Result<DemoRun, StudyError> {
+    let (car, road) = (load_vehicle(VEHICLE)?, load_road(ROAD)?);
+    let mut clock = Clock { last: Instant::now(), times: Vec::new() };
+    let recording = drive(&car, &road, spec)?;
+    clock.lap("drive");
+    let (identified, mut files) = identify(&recording, &car, &road, spec)?;
+    clock.lap("identification");
+    let inputs = car.inputs.iter().chain(&road.inputs).cloned().collect();
+    let designs = match found(&files, identified.converged)? {
+        Some((vehicle, found_road)) => {
+            let band = found_road.spec.band_rad_per_m.unwrap_or(road.road.spectrum().band_rad_s(1.0));
+            Some(designs(Cars { car, road, vehicle, found_road, band }, &mut files, &mut clock)?)
+        }
+        None => None,
     };
-    let name = "a simulated drive of the paper's car";
-    let (mut outcome, files) = identify_recording(&recording, name, Some((VEHICLE, &start)), &settings)?;
-    let modes = loaded.vehicle.modes().map_err(of_case)?;
-    let wheelbase = loaded.vehicle.wheels().iter().map(|w| w.at_m[0]);
-    let wheelbase =
-        wheelbase.clone().fold(f64::NEG_INFINITY, f64::max) - wheelbase.fold(f64::INFINITY, f64::min);
-    outcome.truth = Some(Truth {
-        modes: modes
-            .into_iter()
-            .map(|(m, label)| TrueMode { label, freq_hz: m.freq_hz, damping: m.damping })
-            .collect(),
-        roughness_m3: road.spec.class.map_or(0.0, crate::road::IsoClass::roughness_m3),
-        exponent: road.spec.exponent.unwrap_or(2.0),
-        mu: road.spec.coherence.and_then(|c| c.mu),
-        delay_s: wheelbase / SPEED_M_S,
-        parameters: family.names().into_iter().zip(family.start()).collect(),
-    });
-    let inputs = loaded.inputs.into_iter().chain(road.inputs).collect();
-    Ok(IdentifyRun { outcome, files, inputs })
+    Ok(DemoRun { outcome: DemoOutcome { identified, designs }, files, inputs, times: clock.times })
+}
+
+struct Clock {
+    last: Instant,
+    times: Vec<(&'static str, Duration)>,
+}
+
+impl Clock {
+    fn lap(&mut self, name: &'static str) {
+        let now = Instant::now();
+        self.times.push((name, now - self.last));
+        self.last = now;
+    }
+}
+
+/// The car and road of an identification that converged, as its files say.
+fn found(files: &Files, converged: bool) -> Result<Option<(LoadedVehicle, LoadedRoad)>, StudyError> {
+    let text = |name: &str| {
+        let file = files.iter().find(|(n, _)| n == name).filter(|_| converged);
+        file.map(|(_, bytes)| String::from_utf8_lossy(bytes).into_owned())
+    };
+    let (Some(vehicle), Some(road)) = (text("vehicle.toml"), text("road.toml")) else { return Ok(None) };
+    let vehicle = LoadedVehicle::of_text("vehicle.toml", &vehicle)?;
+    Ok(Some((vehicle, LoadedRoad::of_text("road.toml", &road)?)))
+}
+
+/// The true ones and those that were found.
+struct Cars {
+    car: LoadedVehicle,
+    road: LoadedRoad,
+    vehicle: LoadedVehicle,
+    found_road: LoadedRoad,
+    band: [f64; 2],
+}
+
+fn designs(cars: Cars, files: &mut Files, clock: &mut Clock) -> Result<DemoDesigns, StudyError> {
+    let Cars { car, road, vehicle, found_road, band } = cars;
+    let (own, text) = filter(&found_road, "filter.toml", band)?;
+    files.push(("filter.toml".to_owned(), text.clone().into_bytes()));
+    let identified = Place { vehicle, filter: LoadedRoad::of_text("filter.toml", &text)? };
+    let (true_filter, text) = filter(&road, "the true road's filter", band)?;
+    let truth = Place { vehicle: car, filter: LoadedRoad::of_text("the true road's filter", &text)? };
+    clock.lap("road filters");
+    let judge = Judge { place: &truth, road: &road };
+    let ride = judge.ride(None)?;
+    let mut methods = Vec::new();
+    for (method, lap) in METHODS.into_iter().zip(["LMI designs", "fixed-order designs"]) {
+        let (name, _, text) = method;
+        // one a core: neither depends on the other
+        let (on_identified, on_true) =
+            rayon::join(|| design_at(text, &identified), || design_at(text, &truth));
+        let (on_identified, on_true) = (on_identified?, on_true?);
+        clock.lap(lap);
+        files.push((format!("{name}.toml"), text.as_bytes().to_vec()));
+        if let Some(k) = &on_identified.controller {
+            let json = serde_json::to_string_pretty(k).unwrap_or_default() + "\n";
+            files.push((format!("{name}-controller.json"), json.into_bytes()));
+        }
+        let (found, known) = rayon::join(|| judge.judged(&on_identified), || judge.judged(&on_true));
+        methods.push(pair(method, found?, known?)?);
+        clock.lap("rides of the true car");
+    }
+    Ok(DemoDesigns {
+        speed_m_s: SPEED_M_S,
+        filter: own,
+        true_filter,
+        passive: judge.shown(None, &ride)?,
+        methods,
+        units: ride.units,
+        freq_hz: ride.spectra.freq_hz,
+    })
 }

@@ -4,7 +4,10 @@ use super::beyond_band::continued;
 use super::design_methods::{by_hinf, by_limit, by_lqg};
 use super::design_outcome::{ControllerFile, DesignOutcome, DesignStatus, Gains, Measured};
 use super::design_problem::{GoalBlock, Norm, Problem};
-use super::{DesignMethod, DesignSpec, Flag, Input, MetricsSection, Named, StudyError};
+use super::{
+    DesignMethod, DesignSpec, Flag, Input, LoadedExcitation, LoadedVehicle, MetricsSection, Named,
+    StudyError, load_excitation, load_vehicle,
+};
 use super::{
     design_advice, design_beside, design_fixed_order, design_interpolation, design_mixed, design_robust,
     design_states, design_truncated, design_warnings, design_words,
@@ -40,8 +43,29 @@ fn design_with(
     whole: bool,
 ) -> Result<(DesignOutcome, Vec<Input>), StudyError> {
     spec.check()?;
+    let (vehicle, road) = (load_vehicle(&spec.vehicle)?, load_excitation(&spec.road)?);
+    on(spec, vehicle, road, neighbour, metrics, whole)
+}
+
+/// The controller and its certificate alone, for a vehicle and a road that are at hand under the names that the spec has.
+pub(super) fn design_on(
+    spec: &DesignSpec,
+    vehicle: LoadedVehicle,
+    road: LoadedExcitation,
+) -> Result<(DesignOutcome, Vec<Input>), StudyError> {
+    on(spec, vehicle, road, None, None, false)
+}
+
+fn on(
+    spec: &DesignSpec,
+    vehicle: LoadedVehicle,
+    road: LoadedExcitation,
+    neighbour: Option<&ControllerFile>,
+    metrics: Option<MetricsSection>,
+    whole: bool,
+) -> Result<(DesignOutcome, Vec<Input>), StudyError> {
     let norm = if spec.method == DesignMethod::Hinf { Norm::Hinf } else { Norm::H2 };
-    let problem = Problem::new(spec, norm)?;
+    let problem = Problem::on(spec, norm, vehicle, road)?;
     if spec.method == DesignMethod::Interpolation {
         design_interpolation::check(&problem)?;
     }

@@ -4,8 +4,8 @@ pub(super) use super::design_measure::Norm;
 use super::design_measure::floor;
 use super::design_outputs::{damped, finite, held, no_own_output, once, outputs, settles, settling, shown};
 use super::design_states::states;
-use super::ground::{Ground, ground};
-use super::{DesignMethod, DesignSpec, Named, StudyError, load_vehicle};
+use super::ground::{Ground, ground_of};
+use super::{DesignMethod, DesignSpec, LoadedExcitation, LoadedVehicle, Named, StudyError};
 use crate::lti::{GeneralizedPlant, LtiError};
 use crate::vehicle::{Output, PlantError, PlantSettings, Vehicle, VehicleSpec};
 
@@ -51,9 +51,14 @@ pub(super) struct PeakBlock {
 }
 
 impl Problem {
-    pub fn new(spec: &DesignSpec, norm: Norm) -> Result<Self, StudyError> {
-        let loaded = load_vehicle(&spec.vehicle)?;
-        let (ground, standing, road_inputs) = ground(&loaded, &spec.road, spec.speed_m_s)?;
+    /// Of a vehicle and a road that are at hand; the spec has their names.
+    pub fn on(
+        spec: &DesignSpec,
+        norm: Norm,
+        loaded: LoadedVehicle,
+        road: LoadedExcitation,
+    ) -> Result<Self, StudyError> {
+        let (ground, standing, road_inputs) = ground_of(&loaded, road, spec.speed_m_s)?;
         if spec.method == DesignMethod::Interpolation && loaded.spec.quarter_car.is_none() {
             return Err(StudyError::Setting {
                 field: "vehicle",

@@ -63,7 +63,16 @@ pub(super) fn ground(
     road: &str,
     speed_m_s: f64,
 ) -> Result<(Ground, Vehicle, Vec<Input>), StudyError> {
-    let filter = match load_excitation(road)? {
+    ground_of(loaded, load_excitation(road)?, speed_m_s)
+}
+
+/// The same of a road that is at hand.
+pub(super) fn ground_of(
+    loaded: &LoadedVehicle,
+    road: LoadedExcitation,
+    speed_m_s: f64,
+) -> Result<(Ground, Vehicle, Vec<Input>), StudyError> {
+    let filter = match road {
         LoadedExcitation::Points(filter) => filter,
         LoadedExcitation::Road(road) => {
             let over_time = road.road.spectrum().is_over_time();

@@ -87,6 +87,36 @@ pub fn load_vehicle(name: &str) -> Result<LoadedVehicle, StudyError> {
     Ok(LoadedVehicle { name: name.to_owned(), spec, chassis, vehicle, inputs })
 }
 
+impl LoadedVehicle {
+    /// A vehicle of text that is at hand under the name that a file of it would have; a truck cabin needs its files.
+    ///
+    /// # Errors
+    /// An unknown key, a value that is impossible.
+    pub(super) fn of_text(name: &str, text: &str) -> Result<Self, StudyError> {
+        let spec: VehicleSpec = parse_toml(text, Path::new(name))?;
+        let alone = |wanted: &str| {
+            let (field, expected) = ("chassis".to_owned(), "a vehicle without another file");
+            Err(VehicleError::Field { field, expected, found: wanted.to_owned() })
+        };
+        let vehicle =
+            spec.build(alone).map_err(|source| StudyError::Vehicle { name: name.to_owned(), source })?;
+        let inputs = vec![Input::of(name, text.as_bytes())];
+        Ok(LoadedVehicle { name: name.to_owned(), spec, chassis: None, vehicle, inputs })
+    }
+}
+
+impl LoadedRoad {
+    /// A road of text that is at hand under the name that a file of it would have; a table needs its file.
+    ///
+    /// # Errors
+    /// An unknown key, a value that is impossible.
+    pub(super) fn of_text(name: &str, text: &str) -> Result<Self, StudyError> {
+        let spec = RoadSpec::parse(text, Path::new(name))?;
+        let road = spec.build().map_err(|source| StudyError::Road { name: name.to_owned(), source })?;
+        Ok(LoadedRoad { name: name.to_owned(), spec, road, inputs: vec![Input::of(name, text.as_bytes())] })
+    }
+}
+
 /// The road of a name; a table's `data` is relative to the file that names it.
 ///
 /// # Errors

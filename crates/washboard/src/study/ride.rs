@@ -1,11 +1,11 @@
 //! The job `ride`: what reaches body, suspension and tires on a road.
 
 use super::beyond_band::{BeyondBand, beyond, continued};
-use super::ground::ground;
+use super::ground::{Ground, ground};
 use super::ride_metrics::{Judged, RideMetrics, check_stroke};
-use super::{Flag, Input, Named, RideSpec, StudyError, load_vehicle};
+use super::{Flag, Input, MetricsSection, Named, RideSpec, StudyError, load_vehicle};
 use crate::units::{hz, per_hz_from_two_sided, rad_per_s};
-use crate::vehicle::{Output, Ride, Variance};
+use crate::vehicle::{Control, Output, Ride, Variance, Vehicle};
 use serde::{Deserialize, Serialize};
 
 /// Where spectra are looked at, Hz; cut to the road's band.
@@ -85,19 +85,35 @@ pub fn ride(spec: &RideSpec) -> Result<(RideOutcome, Vec<Input>), StudyError> {
     check_speed(spec.speed_m_s)?;
     check_stroke("stroke_m", spec.stroke_m)?;
     let (ground, vehicle, road_inputs) = ground(&loaded, &spec.road, spec.speed_m_s)?;
-    let fail = |source| StudyError::Ride { name: loaded.name.clone(), source };
     let control = match &spec.controller {
         Some(path) => Some(super::controller_files::control(&vehicle, path)?),
         None => None,
     };
-    let ride = match &control {
-        Some((control, _)) => Ride::controlled(&vehicle, ground.excitation(), spec.speed_m_s, control),
-        None => Ride::new(&vehicle, ground.excitation(), spec.speed_m_s),
+    let metrics = MetricsSection { stroke_m: spec.stroke_m, ..MetricsSection::default() };
+    let loop_of = control.as_ref().map(|(c, _)| c);
+    let outcome = ride_on(&loaded.name, &vehicle, &ground, spec.speed_m_s, loop_of, Some(metrics))?;
+    let inputs = loaded.inputs.into_iter().chain(road_inputs).chain(control.map(|(_, input)| input));
+    Ok((outcome, inputs.collect()))
+}
+
+/// The ride of a vehicle that stands on its road, with a controller or without; judged where metrics are asked for.
+pub(super) fn ride_on(
+    name: &str,
+    vehicle: &Vehicle,
+    ground: &Ground,
+    speed_m_s: f64,
+    control: Option<&Control>,
+    metrics: Option<MetricsSection>,
+) -> Result<RideOutcome, StudyError> {
+    let fail = |source| StudyError::Ride { name: name.to_owned(), source };
+    let ride = match control {
+        Some(control) => Ride::controlled(vehicle, ground.excitation(), speed_m_s, control),
+        None => Ride::new(vehicle, ground.excitation(), speed_m_s),
     }
     .map_err(fail)?;
     let outputs: Vec<&Output> = vehicle.outputs().iter().collect();
     let variances = ride.variances(&outputs).map_err(fail)?;
-    let freq_hz = grid_hz(ground.excitation().band_rad_s(spec.speed_m_s));
+    let freq_hz = grid_hz(ground.excitation().band_rad_s(speed_m_s));
     let mut psd = vec![Vec::with_capacity(freq_hz.len()); outputs.len()];
     for f in &freq_hz {
         let s = ride.spectrum(&outputs, rad_per_s(*f)).map_err(fail)?;
@@ -113,27 +129,23 @@ pub fn ride(spec: &RideSpec) -> Result<(RideOutcome, Vec<Input>), StudyError> {
         None => None,
     };
     notes.extend(beyond_band.as_ref().and_then(|b| continued(b, &outputs, "")));
-    let judged = Judged {
-        vehicle: &vehicle,
-        speed_m_s: spec.speed_m_s,
-        stroke_m: spec.stroke_m,
-        controlled: control.is_some(),
-    };
-    let metrics = RideMetrics::of(&ride, &judged)
-        .map_err(|e| notes.push(Flag { name: "metrics".into(), text: format!("no metrics: {e}") }))
-        .ok();
-    let outcome = RideOutcome {
+    let metrics = metrics.and_then(|section| {
+        let stroke_m = section.stroke_m;
+        let judged = Judged { vehicle, speed_m_s, stroke_m, controlled: control.is_some() };
+        RideMetrics::of(&ride, &judged)
+            .map_err(|e| notes.push(Flag { name: "metrics".into(), text: format!("no metrics: {e}") }))
+            .ok()
+    });
+    Ok(RideOutcome {
         metrics,
-        speed_m_s: spec.speed_m_s,
+        speed_m_s,
         rms,
         infinite,
         units,
         spectra: RideSpectra { freq_hz, psd },
         beyond_band,
         notes,
-    };
-    let inputs = loaded.inputs.into_iter().chain(road_inputs).chain(control.map(|(_, input)| input));
-    Ok((outcome, inputs.collect()))
+    })
 }
 
 /// Refuses a speed that is none, before it is blamed on a vehicle.

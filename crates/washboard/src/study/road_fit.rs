@@ -136,7 +136,11 @@ pub struct RoadFitRun {
 /// A source that is none, with file and line; settings that can't be; too few samples for the order; a fit that fails.
 pub fn road_fit(spec: &RoadFitSpec) -> Result<RoadFitRun, StudyError> {
     check_settings(spec)?;
-    let mut samples = read_source(spec)?;
+    fit_samples(spec, read_source(spec)?)
+}
+
+/// The same of samples that are at hand under the name that the spec has.
+pub(super) fn fit_samples(spec: &RoadFitSpec, mut samples: FitSamples) -> Result<RoadFitRun, StudyError> {
     if let Some(output) = &spec.output {
         check_name(output)?;
     }
