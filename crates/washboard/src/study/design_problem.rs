@@ -5,7 +5,10 @@ use super::design_measure::floor;
 use super::design_outputs::{damped, finite, held, no_own_output, once, outputs, settles, settling, shown};
 use super::design_states::states;
 use super::ground::{Ground, ground_of};
-use super::{DesignMethod, DesignSpec, LoadedExcitation, LoadedVehicle, Named, StudyError};
+use super::{
+    DesignMethod, DesignSpec, LoadedExcitation, LoadedVehicle, Named, StudyError, load_excitation,
+    load_vehicle,
+};
 use crate::lti::{GeneralizedPlant, LtiError};
 use crate::vehicle::{Output, PlantError, PlantSettings, Vehicle, VehicleSpec};
 
@@ -51,6 +54,11 @@ pub(super) struct PeakBlock {
 }
 
 impl Problem {
+    /// Of the vehicle and the road that the spec names.
+    pub fn new(spec: &DesignSpec, norm: Norm) -> Result<Self, StudyError> {
+        Problem::on(spec, norm, load_vehicle(&spec.vehicle)?, load_excitation(&spec.road)?)
+    }
+
     /// Of a vehicle and a road that are at hand; the spec has their names.
     pub fn on(
         spec: &DesignSpec,
