@@ -67,7 +67,7 @@ fn actuator(o: &DesignOutcome) -> Option<Html> {
         .collect();
     let words = format!(
         "Stability of controller, actuators and vehicle together; the delay by Padé's approximation of order {}, whose error times the \
-         loop's gain is at most {:.0e} wherever that gain is a tenth or more. Bandwidths are looked at from 10 kHz down, delays from none up, to the first at \
+         loop's gain is at most {:.0e} wherever that gain is a tenth or more. Bandwidths are looked at from 10 kHz (or where the delay can be approximated) down, delays from none up, to the first at \
          which the loop is not stable.",
         a.delay_order, a.delay_error
     );

@@ -154,12 +154,8 @@ pub(super) fn plan(s: &mut Sketch, v: &DesignVehicle, measured: &[Measured]) -> 
     let middle = reach + 42.0;
     let at = |p: [f64; 2]| [along.at(p[0]), middle - scale * p[1]];
     s.block("body", [52.0, middle - reach + 14.0], [306.0, 2.0 * reach - 28.0]);
-    let mut axles: Vec<f64> = v.wheels.iter().map(|w| w.at_m[0]).collect();
-    axles.sort_by(f64::total_cmp);
-    axles.dedup();
-    for x in axles {
-        let [x, _] = at([x, 0.0]);
-        s.line("axle", [x, middle - reach], [x, middle + reach]);
+    for w in &v.wheels {
+        s.line("axle", at([w.at_m[0], 0.0]), at(w.at_m));
     }
     let centre = at([0.0, 0.0]);
     s.centre(centre);
@@ -176,7 +172,7 @@ pub(super) fn plan(s: &mut Sketch, v: &DesignVehicle, measured: &[Measured]) -> 
         let [x, y] = at(w.at_m);
         let out = if w.at_m[1] > 0.0 { -1.0 } else { 1.0 };
         s.block("tire", [x - 25.0, y - 9.0], [50.0, 18.0]);
-        if v.actuators.iter().any(|a| *a == w.name) {
+        if v.actuators.contains(&w.name) {
             s.disc("actuator", [x, y - 30.0 * out], 10.0);
             s.text("symbol", [x, y - 30.0 * out + 4.0], "u");
         }

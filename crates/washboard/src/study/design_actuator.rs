@@ -68,7 +68,7 @@ pub struct ActuatorLoop {
     pub delay_order: usize,
     /// Its error times the loop's gain, at most, where that gain is a tenth or more.
     pub delay_error: f64,
-    /// The least bandwidth, Hz, with the delay given, coming down from 10 kHz.
+    /// The least bandwidth, Hz, with the delay given, coming down from 10 kHz or the largest that can be looked at.
     pub bandwidth_hz: Reach,
     /// The largest delay, s, with the bandwidth given, going up from none.
     pub delay_s: Reach,
@@ -77,7 +77,9 @@ pub struct ActuatorLoop {
 /// How far a loop stays stable.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Reach {
-    /// Up to here …
+    /// From the first value at which the delay can be approximated …
+    pub from: f64,
+    /// … up to here …
     pub to: f64,
     /// … and this is how it ends there.
     pub end: ReachEnd,
@@ -202,30 +204,35 @@ impl<'a> Loop<'a> {
         values: impl Iterator<Item = f64>,
         with: impl Fn(f64) -> ActuatorSection,
     ) -> Result<Reach, LtiError> {
-        let mut last: Option<f64> = None;
+        // the first value that could be looked at, and the last at which the loop is stable
+        let (mut from, mut last): (Option<f64>, Option<f64>) = (None, None);
         for value in values {
-            match (self.is_stable(&with(value))?, last) {
-                (Some(true), _) => last = Some(value),
-                (Some(false), None) => return Ok(Reach { to: value, end: ReachEnd::Nowhere }),
-                (Some(false), Some(good)) => {
-                    let (mut good, mut bad) = (good, value);
-                    for _ in 0..HALVINGS {
-                        let middle = 0.5 * (good + bad);
-                        if self.is_stable(&with(middle))? == Some(true) {
-                            good = middle;
-                        } else {
-                            bad = middle;
-                        }
-                    }
-                    return Ok(Reach { to: good, end: ReachEnd::Unstable });
+            let Some(stable) = self.is_stable(&with(value))? else {
+                // a bandwidth so large that loop gains beyond the delay's approximation count; or a delay too long for it
+                if last.is_some() {
+                    break;
                 }
-                (None, last) => {
-                    let to = last.unwrap_or(value);
-                    return Ok(Reach { to, end: ReachEnd::LookedAt });
+                continue;
+            };
+            let from = *from.get_or_insert(value);
+            if stable {
+                last = Some(value);
+                continue;
+            }
+            let Some(mut good) = last else { return Ok(Reach { from, to: value, end: ReachEnd::Nowhere }) };
+            let mut bad = value;
+            for _ in 0..HALVINGS {
+                let middle = 0.5 * (good + bad);
+                if self.is_stable(&with(middle))? == Some(true) {
+                    good = middle;
+                } else {
+                    bad = middle;
                 }
             }
+            return Ok(Reach { from, to: good, end: ReachEnd::Unstable });
         }
-        Ok(Reach { to: last.unwrap_or_default(), end: ReachEnd::LookedAt })
+        let to = last.unwrap_or_default();
+        Ok(Reach { from: from.unwrap_or_default(), to, end: ReachEnd::LookedAt })
     }
 }
 

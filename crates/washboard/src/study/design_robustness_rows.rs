@@ -118,7 +118,7 @@ fn bandwidth(r: Reach) -> String {
     let hz = short(r.to);
     match r.end {
         ReachEnd::Unstable => format!("{hz} Hz"),
-        ReachEnd::LookedAt => format!("any, down to {hz} Hz"),
+        ReachEnd::LookedAt => format!("any, from {} down to {hz} Hz", short(r.from)),
         ReachEnd::Nowhere => format!("none: not stable at {hz} Hz"),
     }
 }
