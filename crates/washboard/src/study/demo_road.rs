@@ -103,7 +103,7 @@ mod tests {
     use super::*;
     use crate::study::load_road;
 
-    const BAND: [f64; 2] = [0.126, 6.28];
+    const BAND: [f64; 2] = [0.126, 6.0];
 
     #[test]
     fn a_road_of_exponent_two_is_its_filter_but_for_the_rounding() {
