@@ -100,9 +100,15 @@ fn a_grid_of_designs_has_the_numbers_of_each_design() {
     // a point's file is a design's result, and so a controller
     let file: Value =
         serde_json::from_str(&fs::read_to_string(folder.0.join("made/points/0005.json")).unwrap()).unwrap();
-    for key in ["controller", "verified", "passive", "gains", "warnings", "status"] {
+    for key in ["controller", "verified", "passive", "gains", "status"] {
         assert_eq!(file[key], alone[key], "{key}");
     }
+    // a point is not looked at for what a design by itself is: 5 % of its numbers, an actuator, peaks and hidden modes
+    let beside = ["peak", "fragile", "actuator", "hidden-mode"];
+    let own: Vec<&Value> = alone["warnings"].as_array().unwrap().iter().collect();
+    let own: Vec<&Value> =
+        own.into_iter().filter(|w| !beside.contains(&w["name"].as_str().unwrap())).collect();
+    assert_eq!(file["warnings"].as_array().unwrap().iter().collect::<Vec<_>>(), own);
     let ride = "ride case:turkay-quarter-car --road case:turkay-white-velocity --speed-m-s 20 --controller made/points/0003.json";
     assert_eq!(folder.run(ride).0, 0);
     let table = fs::read_to_string(folder.0.join("made/table.csv")).unwrap();

@@ -310,17 +310,21 @@ fn gains(o: &DesignOutcome) -> String {
 
 /// One number changed by itself, by kinds of numbers; and an actuator in the loop.
 fn robustness(o: &DesignOutcome) -> String {
-    let share = o.robustness.as_ref().map_or(0.0, |r| 100.0 * r.share);
-    let head = format!("<one number by ±{share:.0} %");
-    let mut rows = Table::new(&[&head, "numbers", "<loop", "goal %", "<worst"]);
-    for r in o.robustness_rows() {
-        let goal = r.goal.map(|g| format!("{:+.1}", 100.0 * g)).unwrap_or_default();
-        rows.row([r.what.clone(), r.count.to_string(), r.stable_words(), goal, r.worst.clone()]);
+    let Some(all) = &o.robustness else { return String::new() };
+    let mut text = String::new();
+    let rows = o.robustness_rows();
+    if !rows.is_empty() {
+        text += &format!("one number by ±{:.0} %: the loop, and the goal at worst\n", 100.0 * all.share);
     }
-    let mut actuator = Table::new(&["<with an actuator", "<"]);
-    for (what, answer) in o.actuator_rows() {
-        actuator.row([what, answer]);
+    for r in rows {
+        let goal = r.goal.map(|g| format!(", {:+.1} %", 100.0 * g)).unwrap_or_default();
+        let worst = if r.worst.is_empty() { String::new() } else { format!(" ({})", r.worst) };
+        text += &wrapped(&format!("{}, {} looked at: {}{goal}{worst}", r.what, r.count, r.stable_words()));
     }
-    let parts = [rows, actuator].into_iter().filter(|t| !t.is_empty()).map(|t| t.text());
-    parts.collect::<Vec<_>>().join("\n")
+    let rows = o.actuator_rows();
+    if !rows.is_empty() {
+        text += if text.is_empty() { "with an actuator\n" } else { "\nwith an actuator\n" };
+    }
+    rows.into_iter().for_each(|(what, answer)| text += &wrapped(&format!("{what}: {answer}")));
+    text
 }

@@ -109,6 +109,11 @@ const RESULT_FILES: [&str; 15] = [
     "demo.svg",
     FIGURES,
 ];
+/// Controllers beside the one that is the result: of fewer states, of the vehicle as stated.
+fn other_controller(name: &str) -> bool {
+    name.starts_with("controller-") && name.ends_with(".json")
+}
+
 /// A folder of figures: SVG files and nothing else.
 const FIGURES: &str = "figures";
 
@@ -121,7 +126,8 @@ fn stranger(dir: &Path) -> Option<String> {
     let figure = |n: &String| Path::new(n).extension().is_some_and(|e| e == "svg");
     let of_figures =
         names(&dir.join(FIGURES)).into_iter().find(|n| !figure(n)).map(|n| format!("{FIGURES}/{n}"));
-    names(dir).into_iter().find(|n| !RESULT_FILES.contains(&n.as_str())).or(of_figures)
+    let known = |n: &str| RESULT_FILES.contains(&n) || other_controller(n);
+    names(dir).into_iter().find(|n| !known(n)).or(of_figures)
 }
 
 /// Refuses a directory that is a file, or that has something in it and may not be overwritten: to be asked before work
@@ -161,6 +167,11 @@ mod tests {
         assert_eq!(fs::read(dir.join("road.toml")).unwrap(), b"1");
         write_directory(&dir, &[("result.json", b"2".to_vec())], true).unwrap();
         assert!(!dir.join("road.toml").exists() && dir.join("result.json").exists());
+        // a design's other controllers are no strangers
+        for other in ["controller-nominal.json", "controller-order-6.json"] {
+            fs::write(dir.join(other), b"5").unwrap();
+        }
+        write_directory(&dir, &[("result.json", b"2".to_vec())], true).unwrap();
         // somebody's own file is never taken away
         fs::write(dir.join("mine"), b"3").unwrap();
         let e = write_directory(&dir, &[("result.json", b"4".to_vec())], true).unwrap_err().to_string();

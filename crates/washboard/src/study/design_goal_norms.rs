@@ -4,6 +4,7 @@ use super::design::objective;
 use super::design_outcome::Measured;
 use super::design_problem::{GoalBlock, Problem};
 use super::{DesignMethod, Infinite, Named, Rms};
+use crate::linalg::LinalgError;
 use crate::lti::{Continuous, LtiError, StateSpace};
 
 /// What a loop makes of the goal.
@@ -40,6 +41,7 @@ impl GoalNorms {
                 Err(LtiError::NotStrictlyProper { .. }) => Rms::Infinite(Infinite::Infinite),
                 // rounding sees a pole on the axis on either side of it
                 Err(LtiError::NotStable { pole, .. }) => return Ok(Err(pole.re.max(0.0))),
+                Err(LtiError::Linalg(LinalgError::Singular { value, .. })) => return Ok(Err(value.max(0.0))),
                 Err(e) => return Err(e),
             };
             norms.insert(format!("h2_{name}"), norm.finite().unwrap_or(f64::INFINITY));

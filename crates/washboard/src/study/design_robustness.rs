@@ -280,6 +280,26 @@ mod tests {
     }
 
     #[test]
+    fn a_loop_with_a_pole_on_the_axis_but_for_rounding_is_told_and_not_given_up() {
+        // travels alone under white velocity: the estimator keeps a mode next to 0, which 5 % of some number brings onto the axis
+        let minimize = ["body_acceleration", "suspension_travel", "tire_deflection"];
+        let spec = DesignSpec {
+            vehicle: "case:turkay-half-car".into(),
+            road: "case:turkay-white-velocity".into(),
+            speed_m_s: 20.0,
+            measurements: vec!["suspension_travel".into()],
+            goal: Goal {
+                minimize: minimize.map(|n| (n.to_owned(), 1.0)).into_iter().collect(),
+                ..Goal::default()
+            },
+            ..DesignSpec::default()
+        };
+        let outcome = design(&spec).unwrap().0;
+        let robustness = outcome.robustness.unwrap();
+        assert!(!robustness.vehicle.is_empty() && !robustness.controller.is_empty());
+    }
+
+    #[test]
     fn a_law_that_nearly_pushes_the_car_over_is_fragile() {
         // travel alone, fed back with 0.97 of what makes the suspension's spring negative enough
         let problem = Problem::new(&quarter(), Norm::H2).unwrap();
