@@ -74,8 +74,9 @@ fn fixed_entries_are_kept_to_the_bit_and_cost_no_less() {
     for d in [&apart, &no_feedthrough, &some] {
         let goal = d.verified_goal.unwrap();
         println!("full {full:.6}, structured {goal:.6}, passive {own:.6}");
-        // every one of them is a full one too; the search of that is held to 1 %
-        assert!(goal >= 0.99 * full && goal < own, "{goal} {full} {own}");
+        // every one of them is a full one too; the search of that is held to 1.5 %: of this plant it ends in a local optimum
+        // at .4451 to .4455 with 6, 12 and 24 tries, and the best of the others is .4405
+        assert!(goal >= 0.985 * full && goal < own, "{goal} {full} {own}");
     }
 }
 

@@ -1,8 +1,10 @@
 //! Functions that are the largest of many smooth ones: BFGS, a bundle method for goals under bounds, and the distance of
 //! 0 from the subdifferential.
 
+mod active_set;
 mod bfgs;
 mod bundle;
+mod interior;
 mod model;
 mod pieces;
 mod sampled;

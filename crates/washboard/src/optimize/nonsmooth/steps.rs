@@ -59,6 +59,9 @@ pub(super) struct State<'a, P: Pieces> {
     w: Vec<f64>,
     fresh: bool,
     learnt: Vec<Learnt<P::Id>>,
+    /// The first so many of the learnt pieces at x.
+    recalled: Vec<SmoothPiece<P::Id>>,
+    recalled_of: usize,
     pub penalty: f64,
     radius: f64,
     /// The share of the matrix that the model uses: less after failures.
@@ -77,6 +80,8 @@ impl<'a, P: Pieces> State<'a, P> {
             w: Vec::new(),
             fresh: true,
             learnt: Vec::new(),
+            recalled: Vec::new(),
+            recalled_of: 0,
             penalty: settings.penalty,
             radius: settings.longest * (1.0 + dot(x, x).sqrt()),
             trust: 1.0,
@@ -168,13 +173,22 @@ impl<'a, P: Pieces> State<'a, P> {
     }
 
     /// All pieces of the model.
-    fn bundle(&self) -> Vec<SmoothPiece<P::Id>> {
-        let ids: Vec<&P::Id> = self.learnt.iter().map(|l| &l.id).collect();
-        let mut known = self.pieces.clone();
+    fn bundle(&mut self) -> Vec<SmoothPiece<P::Id>> {
+        let ids: Vec<&P::Id> = self.learnt[self.recalled_of..].iter().map(|l| &l.id).collect();
         if !ids.is_empty() {
-            known.extend(self.problem.again(&ids, &self.x));
+            let new = self.problem.again(&ids, &self.x);
+            self.recalled.extend(new);
+            self.recalled_of = self.learnt.len();
         }
+        let mut known = self.pieces.clone();
+        known.extend(self.recalled.iter().cloned());
         self.highest(known)
+    }
+
+    /// The learnt pieces are others now, or x is.
+    fn forget_recalled(&mut self) {
+        self.recalled.clear();
+        self.recalled_of = 0;
     }
 
     /// As many of the pieces as a model is worth, the highest of goal and of bounds.
@@ -331,6 +345,7 @@ impl<'a, P: Pieces> State<'a, P> {
         self.radius =
             (self.radius.max(3.0 * moved)).min(self.settings.longest * size).max(3.0 * moved.min(size));
         (self.x, self.pieces) = (next, pieces);
+        self.forget_recalled();
     }
 
     /// Pieces where a step failed: the highest there.
@@ -350,7 +365,10 @@ impl<'a, P: Pieces> State<'a, P> {
             self.learnt.push(Learnt { id: p.id, idle: 0 });
         }
         let excess = self.learnt.len().saturating_sub(MOST_LEARNT);
-        self.learnt.drain(..excess);
+        if excess > 0 {
+            self.learnt.drain(..excess);
+            self.forget_recalled();
+        }
     }
 
     /// Learnt pieces without weight are forgotten after a while.
@@ -367,7 +385,11 @@ impl<'a, P: Pieces> State<'a, P> {
                 }
             }
         }
+        let before = self.learnt.len();
         self.learnt.retain(|l| l.idle < FORGOTTEN);
+        if self.learnt.len() < before {
+            self.forget_recalled();
+        }
     }
 
     pub fn forget_curvature(&mut self) {

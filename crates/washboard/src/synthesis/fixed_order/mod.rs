@@ -15,6 +15,7 @@ mod problem;
 mod resolvent;
 mod scales;
 mod search;
+mod settled;
 mod starts;
 mod structure;
 mod targets;

@@ -82,7 +82,7 @@ pub struct FixedOrderDesign {
     /// The distance of 0 from the gradients of ln goal + penalty around the result, in units of the search's numbers, which
     /// are of the order of 1: what a step of length 1 would gain by, as a share, at this slope.
     pub stationarity: Option<Sampled>,
-    /// Whether the last search ended as no model promised more.
+    /// Whether the last search ended as no model promised more, and looked at every frequency where a norm is attained.
     pub converged: bool,
     /// What was done.
     pub work: FixedOrderWork,

@@ -195,8 +195,29 @@ fn climb(resolvent: &mut Resolvent, channel: &Channel, m: usize, omegas: &[f64],
     gain.climb(omegas[k - 1], here, high, 0.0)
 }
 
+/// The direction of one output's response: its own row's.
+fn along_the_row(g: &CMat, omega: f64, channel: &Channel, outputs: usize, inputs: usize) -> Option<Peak> {
+    let length = (0..g.ncols()).map(|j| g[(0, j)].norm_sqr()).sum::<f64>().sqrt();
+    if !(length > 0.0) {
+        return None;
+    }
+    let mut u = vec![C64::new(0.0, 0.0); outputs];
+    let mut v = vec![C64::new(0.0, 0.0); inputs];
+    let (row, weight) = channel.outputs[0];
+    u[row] = C64::new(weight, 0.0);
+    for j in 0..g.ncols() {
+        let column = if channel.disturbances.is_empty() { j } else { channel.disturbances[j] };
+        v[column] = g[(0, j)].conj() / length;
+    }
+    Some(Peak { omega, u, v })
+}
+
 /// The largest singular values' directions, and mixtures of those that are alike.
 fn directions(g: &CMat, omega: f64, channel: &Channel, outputs: usize, inputs: usize, out: &mut Vec<Peak>) {
+    if g.nrows() == 1 {
+        out.extend(along_the_row(g, omega, channel, outputs, inputs));
+        return;
+    }
     let Ok(svd) = g.thin_svd() else { return };
     let (u, v, s) = (svd.U(), svd.V(), svd.S().column_vector());
     let count = s.nrows();

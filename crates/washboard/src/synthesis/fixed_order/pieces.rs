@@ -120,8 +120,8 @@ impl Problem {
         all.sort_by(|a, b| b.0.total_cmp(&a.0));
         let top = all.first()?.0;
         let near = all.iter().take_while(|(h, _)| *h >= top - BESIDE).take(MOST_EIGENVALUES);
-        let pieces = near.filter_map(|(_, k)| self.eigenvalue_piece(target, closed, &spectrum, *k));
-        Some(pieces.collect())
+        // one that is left out would be one that the search does not see: then nothing is known here
+        near.map(|(_, k)| self.eigenvalue_piece(target, closed, &spectrum, *k)).collect()
     }
 
     fn eigenvalue_height(&self, wanted: &Wanted, value: C64) -> f64 {

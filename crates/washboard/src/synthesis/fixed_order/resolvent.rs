@@ -5,7 +5,18 @@ use super::hessenberg::{self, Hessenberg};
 use crate::linalg::{C64, Mat, small};
 
 /// From this order on the matrix is brought to Hessenberg form, in which a factorisation costs n² and not n³.
-const LARGE: usize = 10;
+const LARGE: usize = 6;
+/// Factorisations that are kept, the latest ones: a place that was looked at is asked for its derivative later.
+const MOST_KEPT: usize = 48;
+/// Numbers in them at most.
+const MOST_NUMBERS: usize = 1 << 19;
+/// So many are likely.
+const LIKELY: usize = 32;
+
+/// How many factorisations of an order are kept.
+fn kept(n: usize) -> usize {
+    (MOST_NUMBERS / (n * n).max(1)).clamp(1, MOST_KEPT)
+}
 
 /// A loop's matrices in slices, row after row, with room to work in.
 pub(super) struct Resolvent<'a> {
@@ -18,10 +29,12 @@ pub(super) struct Resolvent<'a> {
     b: Vec<f64>,
     c: Vec<f64>,
     d: Vec<f64>,
+    /// One after another, each at its frequency; none where it is singular.
     factors: Vec<C64>,
     pivots: Vec<usize>,
-    at: f64,
-    sound: bool,
+    at: Vec<(f64, bool)>,
+    /// Which one is written next when no more are kept.
+    next: usize,
     x: Vec<C64>,
     /// Factorisations.
     pub counted: usize,
@@ -50,32 +63,53 @@ impl<'a> Resolvent<'a> {
             b,
             c,
             d: rows(&closed.d),
-            factors: vec![small::ZERO; n * n],
-            pivots: vec![0; n],
-            at: f64::NAN,
-            sound: false,
+            factors: Vec::with_capacity(n * n * kept(n).min(LIKELY)),
+            pivots: Vec::with_capacity(n * LIKELY),
+            at: Vec::with_capacity(LIKELY),
+            next: 0,
             x: vec![small::ZERO; n * m],
             counted: 0,
             hessenberg,
         }
     }
 
-    fn factor(&mut self, omega: f64) -> bool {
-        if self.at == omega {
-            return self.sound;
+    /// Which of the factorisations kept is that at a frequency; none where it is singular.
+    fn factor(&mut self, omega: f64) -> Option<usize> {
+        let n = self.n;
+        if let Some(k) = self.at.iter().rposition(|(w, _)| *w == omega) {
+            return self.at[k].1.then_some(k);
         }
-        for (f, a) in self.factors.iter_mut().zip(&self.a) {
+        let most = kept(n);
+        let k = if self.at.len() < most {
+            self.factors.resize(self.factors.len() + n * n, small::ZERO);
+            self.pivots.resize(self.pivots.len() + n, 0);
+            self.at.push((omega, false));
+            self.at.len() - 1
+        } else {
+            let oldest = self.next;
+            self.next = (oldest + 1) % most;
+            oldest
+        };
+        let factors = &mut self.factors[k * n * n..(k + 1) * n * n];
+        let pivots = &mut self.pivots[k * n..(k + 1) * n];
+        for (f, a) in factors.iter_mut().zip(&self.a) {
             *f = C64::new(-a, 0.0);
         }
-        (0..self.n).for_each(|i| self.factors[i * self.n + i].im += omega);
+        (0..n).for_each(|i| factors[i * n + i].im += omega);
         self.counted += 1;
-        self.at = omega;
-        self.sound = if self.hessenberg.is_some() {
-            hessenberg::lu(&mut self.factors, &mut self.pivots)
+        let sound = if self.hessenberg.is_some() {
+            hessenberg::lu(factors, pivots)
         } else {
-            small::lu(&mut self.factors, &mut self.pivots)
+            small::lu(factors, pivots)
         };
-        self.sound
+        self.at[k] = (omega, sound);
+        sound.then_some(k)
+    }
+
+    /// Factors and pivots of one that is kept.
+    fn kept(&self, k: usize) -> (&[C64], &[usize]) {
+        let n = self.n;
+        (&self.factors[k * n * n..(k + 1) * n * n], &self.pivots[k * n..(k + 1) * n])
     }
 
     pub fn outputs(&self) -> usize {
@@ -93,24 +127,25 @@ impl<'a> Resolvent<'a> {
         if omega == f64::INFINITY || self.n == 0 {
             return true;
         }
-        if !self.factor(omega) {
-            return false;
-        }
-        for (x, b) in self.x.iter_mut().zip(&self.b) {
+        let Some(k) = self.factor(omega) else { return false };
+        let mut x = std::mem::take(&mut self.x);
+        for (x, b) in x.iter_mut().zip(&self.b) {
             *x = C64::new(*b, 0.0);
         }
+        let (factors, pivots) = self.kept(k);
         if self.hessenberg.is_some() {
-            hessenberg::solve(&self.factors, &self.pivots, &mut self.x, self.m);
+            hessenberg::solve(factors, pivots, &mut x, self.m);
         } else {
-            small::lu_solve(&self.factors, &self.pivots, &mut self.x, self.m);
+            small::lu_solve(factors, pivots, &mut x, self.m);
         }
         for (row, c) in t.chunks_exact_mut(self.m.max(1)).zip(self.c.chunks_exact(self.n)).take(self.p) {
-            for (c, x) in c.iter().zip(self.x.chunks_exact(self.m.max(1))) {
+            for (c, x) in c.iter().zip(x.chunks_exact(self.m.max(1))) {
                 if *c != 0.0 {
                     row.iter_mut().zip(x).for_each(|(t, x)| *t += *x * *c);
                 }
             }
         }
+        self.x = x;
         t.iter().all(|z| z.re.is_finite() && z.im.is_finite())
     }
 
@@ -127,27 +162,26 @@ impl<'a> Resolvent<'a> {
             .sum();
         let mut value = through;
         if omega < f64::INFINITY && n > 0 {
-            if !self.factor(omega) {
-                return None;
-            }
+            let k = self.factor(omega)?;
+            let (factors, pivots) = self.kept(k);
             for (r, b) in right.iter_mut().zip(self.b.chunks_exact(self.m.max(1))) {
                 *r = b.iter().zip(v).map(|(b, v)| *v * *b).sum();
             }
             if self.hessenberg.is_some() {
-                hessenberg::solve(&self.factors, &self.pivots, &mut right, 1);
+                hessenberg::solve(factors, pivots, &mut right, 1);
             } else {
-                small::lu_solve(&self.factors, &self.pivots, &mut right, 1);
+                small::lu_solve(factors, pivots, &mut right, 1);
             }
             for (c, u) in self.c.chunks_exact(n).zip(u) {
                 left.iter_mut().zip(c).for_each(|(l, c)| *l += u.conj() * *c);
             }
-            value += left.iter().enumerate().map(|(i, _)| left[i] * right[i]).sum::<C64>();
+            value += left.iter().zip(&right).map(|(l, r)| l * r).sum::<C64>();
             match &self.hessenberg {
                 Some(h) => {
-                    hessenberg::solve_transposed(&self.factors, &self.pivots, &mut left);
+                    hessenberg::solve_transposed(factors, pivots, &mut left);
                     (left, right) = (h.back(&left), h.back(&right));
                 }
-                None => small::lu_solve_transposed(&self.factors, &self.pivots, &mut left, 1),
+                None => small::lu_solve_transposed(factors, pivots, &mut left, 1),
             }
         }
         let o = self.open;
@@ -168,5 +202,48 @@ impl<'a> Resolvent<'a> {
             }))
             .collect();
         Some((value, zu, yw))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::linalg::{CMat, solve_complex};
+
+    #[test]
+    fn places_that_are_looked_at_again_are_not_factored_again_and_older_ones_are_forgotten() {
+        for n in [3, LARGE + 1] {
+            let any = |i: usize, j: usize| ((5 * i * i + 7 * j + i * j) as f64 + 0.3).sin();
+            let block = |r: usize, c: usize| Mat::from_fn(r, c, |i, j| any(i + r, j + c));
+            let mut open = Open::bare(1, 1);
+            open.a = block(n, n) - Mat::identity(n, n) * 4.0;
+            (open.b1, open.b2) = (block(n, 2), block(n, 1));
+            (open.c1, open.c2) = (block(2, n), block(1, n));
+            (open.d11, open.d12, open.d21) = (block(2, 2), block(2, 1), block(1, 2));
+            let closed = open.close(&Mat::zeros(1, 1), 0).unwrap();
+            let mut resolvent = Resolvent::new(&open, &closed, 0);
+            let mut t = Vec::new();
+            let places: Vec<f64> = (0..MOST_KEPT + 20).map(|k| 0.1 * k as f64).collect();
+            for round in 1..3 {
+                for (k, omega) in places.iter().enumerate() {
+                    assert!(resolvent.response(*omega, &mut t));
+                    assert_eq!(resolvent.counted, (round - 1) * places.len() + k + 1);
+                    assert!(resolvent.derivative(*omega, &t[..2], &t[..2]).is_some());
+                    assert_eq!(resolvent.counted, (round - 1) * places.len() + k + 1);
+                    let shifted = CMat::from_fn(n, n, |i, j| {
+                        C64::new(-closed.a[(i, j)], if i == j { *omega } else { 0.0 })
+                    });
+                    let b = CMat::from_fn(n, 2, |i, j| C64::new(closed.b[(i, j)], 0.0));
+                    let x = solve_complex(&shifted, &b).unwrap();
+                    for (place, t) in t.iter().enumerate() {
+                        let (i, j) = (place / 2, place % 2);
+                        let sum: C64 = (0..n).map(|k| x[(k, j)] * closed.c[(i, k)]).sum();
+                        assert!((*t - sum - closed.d[(i, j)]).norm() < 1e-12, "{n} {omega}");
+                    }
+                }
+            }
+            // the last ones are at hand
+            assert!(resolvent.response(places[30], &mut t) && resolvent.counted == 2 * places.len());
+        }
     }
 }

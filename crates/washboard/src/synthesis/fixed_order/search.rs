@@ -10,8 +10,9 @@ const STABLE: f64 = -1e-2;
 const LEAST: f64 = -1e-10;
 /// A bound may be exceeded by this, in ln.
 pub(super) const MET: f64 = 1e-6;
-/// Steps towards the stable set.
+/// Steps towards the stable set, and into it.
 const STABILISE: usize = 60;
+const FARTHER: usize = 8;
 /// Rounds with a smooth function, and steps of one.
 const SMOOTH_ROUNDS: usize = 40;
 const SMOOTH_STEPS: usize = 30;
@@ -129,8 +130,16 @@ fn stabilised(problem: &Problem, x: &[f64], smooth: bool) -> Result<(Vec<f64>, f
         flat: 1e-12,
     };
     let mut best = (x.to_vec(), f64::INFINITY);
-    if let Some(found) = bfgs(x, &settings, |x| problem.abscissa(x)) {
+    // only just stable first: from there a few steps are enough, where poles meet there may be no more to gain
+    let just = BfgsSettings { enough: LEAST - problem.margin / pace, ..settings };
+    if let Some(mut found) = bfgs(x, &just, |x| problem.abscissa(x)) {
         if enough(found.value) {
+            let on = BfgsSettings { iterations: FARTHER, ..settings };
+            if let Some(farther) =
+                bfgs(&found.x, &on, |x| problem.abscissa(x)).filter(|f| f.value < found.value)
+            {
+                found = farther;
+            }
             return Ok((found.x, found.value * pace));
         }
         best = (found.x, found.value);
@@ -200,4 +209,18 @@ pub(super) fn further(
         Some(found) if !better(from, &found, MET) => found,
         _ => from.clone(),
     }
+}
+
+/// The best first.
+pub(super) fn sort(results: &mut [BundleResult<Id>]) {
+    results.sort_by(|a, b| {
+        use std::cmp::Ordering::{Equal, Greater, Less};
+        if better(a, b, MET) {
+            Less
+        } else if better(b, a, MET) {
+            Greater
+        } else {
+            Equal
+        }
+    });
 }
