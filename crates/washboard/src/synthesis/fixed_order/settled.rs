@@ -28,7 +28,7 @@ const MEDIUM: usize = 25;
 /// What is above the best by less than this (in ln) after these is searched to the end.
 const PROMISING: f64 = 1e-3;
 /// Rounds of shaking without a gain of [`GAIN`] (in ln) that end it.
-const VAIN: usize = 3;
+const VAIN: usize = 2;
 const GAIN: f64 = 2e-5;
 
 /// A result, verified; whether the search has no frequency left where its norms are lower than they are.
@@ -86,7 +86,7 @@ fn shaken(
 ) -> BundleResult<Id> {
     let patient = settings.tries >= PATIENT;
     let (steps, most) = match (patient, agreed) {
-        (true, _) => (4 * MEDIUM, 2 * VAIN),
+        (true, _) => (4 * MEDIUM, 3 * VAIN),
         // starts that are far apart led to it
         (false, true) => (MEDIUM, 1),
         (false, false) => (MEDIUM, VAIN),
