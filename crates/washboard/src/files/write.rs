@@ -67,11 +67,8 @@ pub fn build_directory<E: From<FileError>>(
     fill: impl FnOnce(&Path) -> Result<(), E>,
 ) -> Result<(), E> {
     let fail = |source| E::from(FileError::Write { path: dir.to_owned(), source });
-    let name = dir.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
-    let parent = dir.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    fs::create_dir_all(parent).map_err(fail)?;
-    let building = parent.join(format!(".{name}.{}.part", std::process::id()));
-    let old = parent.join(format!(".{name}.{}.old", std::process::id()));
+    let (parent, [building, old]) = neighbours(dir);
+    fs::create_dir_all(&parent).map_err(fail)?;
     let build = || -> Result<(), E> {
         fs::create_dir(&building).map_err(fail)?;
         fill(&building)?;
@@ -88,7 +85,26 @@ pub fn build_directory<E: From<FileError>>(
         }
     }
     let _ = fs::remove_dir_all(&old);
+    if built.is_ok() {
+        left_by_the_killed(dir).iter().for_each(|d| drop(fs::remove_dir_all(d)));
+    }
     built
+}
+
+/// Neighbours of processes that were ended by force; none where the system does not say which processes there are.
+fn left_by_the_killed(dir: &Path) -> Vec<PathBuf> {
+    let name = dir.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
+    let processes = Path::new("/proc");
+    if !processes.join("self").exists() {
+        return Vec::new();
+    }
+    let ended = |n: &str| -> Option<bool> {
+        let (process, end) = n.strip_prefix(&format!(".{name}."))?.split_once('.')?;
+        let process: u32 = process.parse().ok()?;
+        Some(["part", "old"].contains(&end) && !processes.join(process.to_string()).exists())
+    };
+    let entries = fs::read_dir(neighbours(dir).0).into_iter().flatten().flatten();
+    entries.filter(|e| ended(&e.file_name().to_string_lossy()) == Some(true)).map(|e| e.path()).collect()
 }
 
 /// What a result's directory may hold. Overwriting takes the directory away as a whole: nobody's data may be in it.
@@ -117,30 +133,68 @@ fn other_controller(name: &str) -> bool {
 /// A folder of figures: SVG files and nothing else.
 const FIGURES: &str = "figures";
 
-/// The first entry of a directory that is not a result's.
+/// The first entry of a directory that is not a result's, by its name or by what it is: a directory under a file's name is
+/// somebody's own.
 fn stranger(dir: &Path) -> Option<String> {
-    let names = |dir: &Path| {
-        let entries = fs::read_dir(dir).map(|d| d.flatten().collect::<Vec<_>>()).unwrap_or_default();
-        entries.into_iter().map(|e| e.file_name().to_string_lossy().into_owned()).collect::<Vec<_>>()
+    let entries = |dir: &Path| -> Vec<(String, fs::FileType)> {
+        let entries = fs::read_dir(dir).into_iter().flatten().flatten();
+        entries
+            .filter_map(|e| Some((e.file_name().to_string_lossy().into_owned(), e.file_type().ok()?)))
+            .collect()
     };
-    let figure = |n: &String| Path::new(n).extension().is_some_and(|e| e == "svg");
-    let of_figures =
-        names(&dir.join(FIGURES)).into_iter().find(|n| !figure(n)).map(|n| format!("{FIGURES}/{n}"));
-    let known = |n: &str| RESULT_FILES.contains(&n) || other_controller(n);
-    names(dir).into_iter().find(|n| !known(n)).or(of_figures)
+    let known = |(n, kind): &(String, fs::FileType)| match n.as_str() {
+        FIGURES => kind.is_dir(),
+        n => kind.is_file() && (RESULT_FILES.contains(&n) || other_controller(n)),
+    };
+    let figure = |(n, kind): &(String, fs::FileType)| {
+        kind.is_file() && Path::new(n).extension().is_some_and(|e| e == "svg")
+    };
+    let above = entries(dir).into_iter().find(|e| !known(e)).map(|e| e.0);
+    above.or_else(|| {
+        let inside = entries(&dir.join(FIGURES)).into_iter().find(|e| !figure(e));
+        inside.map(|e| format!("{FIGURES}/{}", e.0))
+    })
 }
 
-/// Refuses a directory that is a file, or that has something in it and may not be overwritten: to be asked before work
-/// starts.
+/// Where a directory is put together before it is renamed, and where the one that it replaces waits.
+fn neighbours(dir: &Path) -> (PathBuf, [PathBuf; 2]) {
+    let name = dir.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
+    let parent = dir.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let beside = |end: &str| parent.join(format!(".{name}.{}.{end}", std::process::id()));
+    (parent.to_owned(), [beside("part"), beside("old")])
+}
+
+/// Whether a directory can be made where one is to be: tried, in the nearest place that exists.
+fn try_to_write(dir: &Path) -> Result<(), FileError> {
+    let (parent, [probe, _]) = neighbours(dir);
+    let name = probe.file_name().map(|n| n.to_owned()).unwrap_or_default();
+    let Some(place) = parent
+        .ancestors()
+        .map(|p| if p.as_os_str().is_empty() { Path::new(".") } else { p })
+        .find(|p| p.exists())
+    else {
+        return Ok(());
+    };
+    let probe = place.join(name);
+    fs::create_dir(&probe)
+        .and_then(|()| fs::remove_dir(&probe))
+        .map_err(|source| FileError::Write { path: dir.to_owned(), source })
+}
+
+/// Refuses a directory that is a file, that has something in it and may not be overwritten, or beside which nothing may be
+/// written: to be asked before work starts.
 ///
 /// # Errors
-/// [`FileError::Content`] with what is in the way.
+/// [`FileError::Content`] with what is in the way; the system's.
 pub fn check_target_directory(dir: &Path, overwrite: bool) -> Result<(), FileError> {
     if dir.as_os_str().is_empty() || dir.file_name().is_none() {
         return Err(FileError::content(dir, None, "expected the name of a new directory"));
     }
     if dir.exists() && !dir.is_dir() {
         return Err(FileError::content(dir, None, "expected a directory, found a file"));
+    }
+    if !dir.exists() && dir.is_symlink() {
+        return Err(FileError::content(dir, None, "expected a directory, found a link that leads nowhere"));
     }
     let filled = fs::read_dir(dir).map(|mut d| d.next().is_some()).unwrap_or(false);
     if filled && !overwrite {
@@ -151,7 +205,7 @@ pub fn check_target_directory(dir: &Path, overwrite: bool) -> Result<(), FileErr
             format!("holds {stranger:?}, which no result has: expected only {}", RESULT_FILES.join(", "));
         return Err(FileError::content(dir, None, message));
     }
-    Ok(())
+    try_to_write(dir)
 }
 
 #[cfg(test)]
@@ -167,6 +221,16 @@ mod tests {
         assert_eq!(fs::read(dir.join("road.toml")).unwrap(), b"1");
         write_directory(&dir, &[("result.json", b"2".to_vec())], true).unwrap();
         assert!(!dir.join("road.toml").exists() && dir.join("result.json").exists());
+        // what a process left that was killed goes with the next success; a living one's stays
+        let left = |process: u32| {
+            dir.with_file_name(format!(".{}.{process}.part", dir.file_name().unwrap().display()))
+        };
+        let (dead, living) = (left(u32::MAX - 1), left(1));
+        fs::create_dir(&dead).unwrap();
+        fs::create_dir(&living).unwrap();
+        write_directory(&dir, &[("result.json", b"2".to_vec())], true).unwrap();
+        assert!(!dead.exists() && living.exists() == Path::new("/proc/1").exists());
+        let _ = fs::remove_dir(living);
         // a design's other controllers are no strangers
         for other in ["controller-nominal.json", "controller-order-6.json"] {
             fs::write(dir.join(other), b"5").unwrap();
@@ -177,6 +241,12 @@ mod tests {
         let e = write_directory(&dir, &[("result.json", b"4".to_vec())], true).unwrap_err().to_string();
         assert!(e.contains("\"mine\""), "{e}");
         assert_eq!(fs::read(dir.join("mine")).unwrap(), b"3");
+        fs::remove_file(dir.join("mine")).unwrap();
+        // nor under the name of a result's file
+        fs::remove_file(dir.join("result.json")).unwrap();
+        fs::create_dir_all(dir.join("result.json/deep")).unwrap();
+        let e = write_directory(&dir, &[("result.json", b"4".to_vec())], true).unwrap_err().to_string();
+        assert!(e.contains("\"result.json\"") && dir.join("result.json/deep").is_dir(), "{e}");
         fs::remove_dir_all(&dir).unwrap();
     }
 }

@@ -23,7 +23,8 @@ pub fn read_design(path: &Path) -> Result<(PathBuf, Envelope<DesignOutcome>), St
     Ok((file, result))
 }
 
-fn check(o: &DesignOutcome) -> Result<(), String> {
+/// What contradicts the rest: field, what was expected, what was found.
+pub(super) fn check(o: &DesignOutcome) -> Result<(), String> {
     let designed = o.status == DesignStatus::Designed;
     if designed != (o.controller.is_some() && o.verified.is_some()) {
         return Err(format!("status: {:?} contradicts what stands beside it", o.status));

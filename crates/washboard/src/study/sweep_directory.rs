@@ -1,5 +1,6 @@
 //! A sweep on disk: what it is (`sweep.json`), and a file a point that is there as a whole as soon as the point is computed.
 
+use super::checked_design::check;
 use super::sweep_outcome::{PointDesign, PointFile, SweepDetail, SweepOutcome, SweepPoint};
 use super::{Envelope, Input, MergedSweep, SCHEMA_VERSION, StudyError, SweepPlan, SweepSeal};
 use crate::files::{FileError, read_text, write_whole};
@@ -123,7 +124,9 @@ impl SweepDirectory {
         let own = SweepDirectory { dir: dir.to_owned(), file: merged.sweep.file.clone() };
         write_whole(&dir.join("sweep.json"), &own.seal_bytes())?;
         for (index, from) in &merged.points {
-            fs::copy(from, dir.join(point_name(*index))).map_err(|e| write(from, e))?;
+            let bytes = fs::read(from).map_err(|source| FileError::Read { path: from.clone(), source })?;
+            let to = dir.join(point_name(*index));
+            fs::write(&to, bytes).map_err(|e| write(&to, e))?;
         }
         Ok(own)
     }
@@ -201,6 +204,9 @@ impl SweepDirectory {
                 format!("expected point {index} of the sweep {}, found {found}", self.file.sha256),
             ));
         }
+        if let PointDesign::Outcome(o) = &point.outcome.result {
+            check(o).map_err(|e| wrong(&path, format!("{e}; delete it to compute it again")))?;
+        }
         Ok(point)
     }
 
@@ -271,14 +277,21 @@ fn is_filled(dir: &Path) -> bool {
     entries.any(|e| !is_part(&e.file_name().to_string_lossy()))
 }
 
-/// The first entry that is not a sweep's.
+/// The first entry that is not a sweep's, by its name or by what it is.
 fn stranger(dir: &Path) -> Option<String> {
-    let names = |dir: &Path| -> Vec<String> {
+    let entries = |dir: &Path| -> Vec<(String, bool)> {
         let entries = fs::read_dir(dir).into_iter().flatten().flatten();
-        entries.map(|e| e.file_name().to_string_lossy().into_owned()).filter(|n| !is_part(n)).collect()
+        entries
+            .map(|e| (e.file_name().to_string_lossy().into_owned(), e.file_type().is_ok_and(|t| t.is_file())))
+            .filter(|(n, _)| !is_part(n))
+            .collect()
     };
-    let above = names(dir).into_iter().find(|n| !OWN.contains(&n.as_str()));
-    above.or_else(|| names(&dir.join("points")).into_iter().find(|n| number(n).is_none()))
+    let above = |(n, file): &(String, bool)| OWN.contains(&n.as_str()) && *file == (n != "points");
+    let point = |(n, file): &(String, bool)| *file && number(n).is_some();
+    let name = |(n, _): (String, bool)| n;
+    entries(dir).into_iter().find(|e| !above(e)).map(name).or_else(|| {
+        entries(&dir.join("points")).into_iter().find(|e| !point(e)).map(|e| format!("points/{}", e.0))
+    })
 }
 
 /// Where two sweeps differ, in words.
