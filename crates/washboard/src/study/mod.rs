@@ -140,7 +140,7 @@ pub use damping::{DampingOnRoad, DampingOutcome, EquivalentDamper, damping};
 pub use demo::{DemoRun, demo};
 pub use demo_outcome::*;
 pub use design::design;
-pub use design_actuator::{ActuatorLoop, ActuatorSection, Reach, ReachEnd};
+pub use design_actuator::{ActuatorLoop, ActuatorSection, Reach};
 pub use design_bode::{BodeCurve, InvariantPoint};
 pub use design_fixed_outcome::*;
 pub use design_fixed_rows::{SearchRow, TargetRow};
