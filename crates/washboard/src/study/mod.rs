@@ -179,7 +179,7 @@ pub use reproduce::{
 };
 pub use respond::{BumpOutcome, Direction, GainsOutcome, RespondOutcome, respond};
 pub use ride::{Infinite, RideOutcome, RideSpectra, Rms, ride};
-pub use ride_metrics::{ActuatorUse, RideMetrics, TireLoad, TravelUse, WeightedAcceleration};
+pub use ride_metrics::{ActuatorUse, RideMetrics, TireLoad, TravelUse, VibrationTotal, WeightedAcceleration};
 pub use road_analytic::{AnalyticSamples, RoadAnalyticOutcome, RoadAnalyticRun, road_analytic};
 pub use road_fit::{FitOrder, FittedSpectrum, RoadFitOutcome, RoadFitRun, road_fit};
 pub use road_fit_cross::CrossError;
