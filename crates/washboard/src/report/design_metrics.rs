@@ -41,7 +41,7 @@ fn rows(o: &DesignOutcome, all: &[MetricRow]) -> Html {
 
 fn cells(r: &MetricRow, closed: bool) -> Vec<Html> {
     let [passive, after] =
-        r.shown(|v| significant(v, 4)).map(|v| v.map_or_else(|| Html::from("–"), |v| Html::from(v)));
+        r.shown(|v| significant(v, 4)).map(|v| v.map_or_else(|| Html::from("–"), Html::from));
     let mut cells: Vec<Html> = vec![capital(&r.what).into(), r.unit.as_str().into(), passive];
     if closed {
         let change =
