@@ -168,17 +168,11 @@ fn metrics(o: &DesignOutcome) -> String {
             rows.row([r.group.heading().to_owned()]);
             group = Some(r.group);
         }
-        let show = |v: Option<f64>| v.map(number).unwrap_or_default();
-        let cells = [
-            format!("  {}", r.what),
-            r.unit.clone(),
-            show(r.values[0]),
-            show(r.values[1]),
-            share(r.change()),
-        ];
+        let [passive, closed] = r.shown(number).map(Option::unwrap_or_default);
+        let cells = [format!("  {}", r.what), r.unit.clone(), passive, closed, share(r.change())];
         rows.row(cells.into_iter().take(columns(o, "").len()));
     }
-    if group.is_some() { rows.text() } else { String::new() }
+    if group.is_some() { rows.text() + &wrapped(&o.metrics_words()) } else { String::new() }
 }
 
 /// The value of the goal: passive, closed, and what none can beat, where these are known.

@@ -11,9 +11,10 @@ const BAND_HZ: [f64; 2] = [0.4, 100.0];
 /// A frequency weighting of ISO 2631-1.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Weighting {
-    /// W_k: vertical vibration (z) of the seat surface, and of all directions but the head for a person who lies.
+    /// W_k: z of the seat surface, of a floor under a standing person and (vertical) of a surface under a lying one but for the head; x, y and
+    /// z at the feet of a seated one.
     Wk,
-    /// W_d: horizontal vibration (x, y) of the seat surface.
+    /// W_d: horizontal vibration of the seat surface, of a floor under a standing person and of a surface under a lying one.
     Wd,
     /// W_e: rotational vibration (all directions) of the seat surface.
     We,

@@ -40,12 +40,13 @@ fn rows(o: &DesignOutcome, all: &[MetricRow]) -> Html {
 }
 
 fn cells(r: &MetricRow, closed: bool) -> Vec<Html> {
-    let shown = |v: Option<f64>| v.map_or_else(|| "–".into(), |v| Html::from(significant(v, 4)));
-    let mut cells: Vec<Html> = vec![capital(&r.what).into(), r.unit.as_str().into(), shown(r.values[0])];
+    let [passive, after] =
+        r.shown(|v| significant(v, 4)).map(|v| v.map_or_else(|| Html::from("–"), Html::from));
+    let mut cells: Vec<Html> = vec![capital(&r.what).into(), r.unit.as_str().into(), passive];
     if closed {
         let change =
             r.change().map_or_else(|| "–".into(), |c| Html::from(format!("{} %", signed(100.0 * c, 1))));
-        cells.extend([shown(r.values[1]), change]);
+        cells.extend([after, change]);
     }
     let [before, after] = &r.words;
     let words = match (before.is_empty(), after.is_empty()) {

@@ -28,7 +28,12 @@ fn said(what: &str) -> String {
 fn curves(o: &DesignOutcome, t: &TimeResponses, group: &str, plots: &mut Plots) -> Html {
     let (Some(first), Some(last)) = (t.time_s.first(), t.time_s.last()) else { return Html::default() };
     let values = |v: &[f64]| v.iter().map(|v| Some(*v)).collect::<Vec<_>>();
-    let drawn = t.closed.iter().map(|(name, closed)| {
+    // what stands still in both is a row of zeros alone
+    let moves = |name: &str, closed: &[f64]| {
+        let passive = t.passive.get(name).into_iter().flatten();
+        passive.chain(closed).any(|v| *v != 0.0)
+    };
+    let drawn = t.closed.iter().filter(|(name, closed)| moves(name, closed)).map(|(name, closed)| {
         let unit = o.units.get(name).map_or("", String::as_str);
         let time = Axis::new("time", "s", false).within(*first, *last);
         let mut plot = Plot::new(name, &t.time_s, time, Axis::new("", unit, false));
@@ -45,8 +50,9 @@ fn curves(o: &DesignOutcome, t: &TimeResponses, group: &str, plots: &mut Plots) 
 /// Largest magnitudes, and by how much the loop makes them smaller.
 fn peaks(o: &DesignOutcome, t: &TimeResponses) -> Html {
     let row = |(name, closed): (&str, &f64)| {
-        let passive = t.passive_peak.get(name).copied().filter(|p| *p > 0.0);
+        let passive = t.passive_peak.get(name).copied();
         let change = passive
+            .filter(|p| *p > 0.0)
             .map_or_else(|| "–".to_owned(), |p| format!("{} %", signed(100.0 * (closed / p - 1.0), 1)));
         let before = passive.map_or_else(|| "–".to_owned(), |p| significant(p, 4));
         let unit = o.units.get(name).map_or("", String::as_str);

@@ -65,11 +65,21 @@ fn actuator(o: &DesignOutcome) -> Option<Html> {
         .into_iter()
         .map(|(what, answer)| vec![capital(&what).into(), answer.replace('-', "−").into()])
         .collect();
+    let approximated = if a.stable.is_some() {
+        format!(
+            "the delay by Padé's approximation of order {}, whose error times the loop's gain is at most {:.0e} wherever that gain is a tenth or more",
+            a.delay_order, a.delay_error
+        )
+    } else {
+        format!(
+            "the delay by Padé's approximation, whose error times the loop's gain is {:.0e} at order {}: too much for an answer",
+            a.delay_error, a.delay_order
+        )
+    };
     let words = format!(
-        "Stability of controller, actuators and vehicle together; the delay by Padé's approximation of order {}, whose error times the \
-         loop's gain is at most {:.0e} wherever that gain is a tenth or more. Bandwidths are looked at from 10 kHz (or where the delay can be approximated) down, delays from none up, to the first at \
-         which the loop is not stable.",
-        a.delay_order, a.delay_error
+        "Stability of controller, actuators and vehicle together; {approximated}. Bandwidths are looked at from 0.1 Hz to 10 kHz and delays from \
+         none to 1 s in steps of 25 %, as far as the delay can be approximated, and ends of what is stable are refined. A slow actuator \
+         may be stable where a faster one is not: it does less."
     );
     Some(element("h3", &[], "With an actuator").and(table("", &["loop", "answer"], rows)).and(note(words)))
 }

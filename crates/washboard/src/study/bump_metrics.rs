@@ -9,8 +9,6 @@ use serde::{Deserialize, Serialize};
 const FIRST_S: f64 = 3.0;
 /// … so many times at most: 24 s.
 const DOUBLINGS: usize = 3;
-/// A peak below this share of the largest one in the same unit has cancelled: the roll of a symmetric car.
-const CANCELLED: f64 = 1e-9;
 
 /// A bump of (5.21): w(t) = ½h(1 − cos(2πvt/l)).
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -72,15 +70,10 @@ impl BumpMetrics {
             let modes = BumpModes::Vehicle;
             let found = vehicle.bump_response_for(outputs, bump, speed_m_s, duration_s, control, modes)?;
             let peaks: Vec<f64> = found.peaks().into_iter().map(|p| p.0).collect();
-            let still = |i: usize| {
-                let alike = (0..outputs.len()).filter(|j| outputs[*j].unit == outputs[i].unit);
-                peaks[i] <= CANCELLED * alike.map(|j| peaks[j]).fold(0.0, f64::max)
-            };
             let mut metrics = BumpMetrics::default();
             for (i, output) in outputs.iter().enumerate() {
-                let settled = || settling_time(&found.time_s, &found.outputs[i], SETTLING_BAND, passage_s);
-                let (peak, settled) = if still(i) { (0.0, Some(0.0)) } else { (peaks[i], settled()) };
-                metrics.peak.insert(&output.name, peak);
+                let settled = settling_time(&found.time_s, &found.outputs[i], SETTLING_BAND, passage_s);
+                metrics.peak.insert(&output.name, peaks[i]);
                 metrics.settling_s.insert(&output.name, settled);
             }
             Ok(metrics)
@@ -95,7 +88,7 @@ impl BumpMetrics {
             match look(after_s) {
                 Ok(longer) => metrics = longer,
                 // more samples than are computed: what was seen in less time stands
-                Err(BumpError::TooShort { .. }) => break,
+                Err(BumpError::TooManySamples { .. }) => break,
                 Err(e) => return Err(e),
             }
         }

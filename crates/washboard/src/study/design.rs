@@ -242,6 +242,10 @@ fn finish(
         outcome.objective.insert("verified", objective(problem, &measured));
     }
     outcome.warnings.extend(design_warnings::worse(problem, &outcome.passive, &measured));
+    if let Some((flag, is)) = design_warnings::algebraic_loop(problem, k)? {
+        let list = if is { &mut outcome.warnings } else { &mut outcome.notes };
+        list.push(flag);
+    }
     if problem.spec.method.takes_bounds() {
         outcome.warnings.extend(design_warnings::paces(problem.spec.method, &outcome.passive, &measured));
     }

@@ -7,17 +7,18 @@ use super::{DesignSpec, Named, StudyError};
 use crate::linalg::{C64, Mat};
 use crate::lti::{Continuous, LtiError, StateSpace, pade_delay};
 use crate::units::rad_per_s;
+use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 /// What is looked at where a design does not state its actuator: a fast hydraulic one.
 const WHAT_IF: ActuatorSection = ActuatorSection { bandwidth_hz: 30.0, delay_s: 0.005, order: 1 };
-/// Bandwidths, Hz, from which and down to which a loop is looked at, and the factor between two.
+/// Bandwidths, Hz, between which a loop is looked at.
 const BANDWIDTHS_HZ: [f64; 2] = [0.1, 1e4];
-const BANDWIDTH_STEP: f64 = 1.25;
-/// Delays, s, likewise, upwards from none.
+/// Delays, s, likewise, beside none.
 const DELAYS_S: [f64; 2] = [2e-4, 1.0];
-const DELAY_STEP: f64 = 1.25;
-/// Halvings of the interval in which a loop ceases to be stable: 25 % between two steps become 1e-5.
+/// The factor between two neighbours: a loop that changes twice between them is not seen to.
+const STEP: f64 = 1.25;
+/// Halvings of the interval in which a loop becomes or ceases to be stable: 25 % between two steps become 1e-5.
 const HALVINGS: usize = 15;
 /// The approximated delay's error times the loop's gain, at most, wherever that gain is [`LEAST_GAIN`] or more.
 const DELAY_ERROR: f64 = 1e-3;
@@ -49,52 +50,38 @@ fn first() -> usize {
     1
 }
 
-/// A loop with an actuator, and how much worse the actuator may be.
+/// A loop with an actuator, and which others it bears.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ActuatorLoop {
     /// The actuator.
     pub actuator: ActuatorSection,
     /// Whether the design states it; else it is a question only.
     pub stated: bool,
-    /// Whether the loop is stable.
-    pub stable: bool,
+    /// Whether the loop is stable; none where the delay is too long for its approximation.
+    pub stable: Option<bool>,
     /// The goal's value over the one without it; none where the loop is not stable.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub goal: Option<f64>,
     /// Norms of the goal over those without it: `h2_NAME`, `hinf_NAME`.
     #[serde(default, skip_serializing_if = "Named::is_empty")]
     pub norms: Named<f64>,
-    /// Order of Padé's approximation of the delay.
+    /// Order of Padé's approximation of the delay, the last one tried where none is good enough.
     pub delay_order: usize,
     /// Its error times the loop's gain, at most, where that gain is a tenth or more.
     pub delay_error: f64,
-    /// The least bandwidth, Hz, with the delay given, coming down from 10 kHz or the largest that can be looked at.
+    /// Bandwidths, Hz, with the delay given.
     pub bandwidth_hz: Reach,
-    /// The largest delay, s, with the bandwidth given, going up from none.
+    /// Delays, s, with the bandwidth given.
     pub delay_s: Reach,
 }
 
-/// How far a loop stays stable.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+/// Where a loop is stable: of slow low-passes some may be that faster ones are not.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct Reach {
-    /// From the first value at which the delay can be approximated …
-    pub from: f64,
-    /// … up to here …
-    pub to: f64,
-    /// … and this is how it ends there.
-    pub end: ReachEnd,
-}
-
-/// How a reach ends.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum ReachEnd {
-    /// Beyond it the loop is not stable.
-    Unstable,
-    /// It was not looked at farther.
-    LookedAt,
-    /// Not even there is the loop stable.
-    Nowhere,
+    /// The least and the largest value that was looked at: none beyond which the delay cannot be approximated.
+    pub looked_at: Option<[f64; 2]>,
+    /// From where to where the loop is stable, ascending.
+    pub stable: Vec<[f64; 2]>,
 }
 
 impl DesignSpec {
@@ -162,23 +149,24 @@ impl<'a> Loop<'a> {
         Ok(Loop { k, back, gains })
     }
 
-    /// The least order of the delay's approximation that is good enough, and its error times the loop's gain.
-    fn delay_order(&self, a: &ActuatorSection) -> Option<(usize, f64)> {
+    /// The least order of the delay's approximation that is good enough, or the last one, and its error times the loop's gain.
+    fn delay_order(&self, a: &ActuatorSection) -> (usize, f64) {
         if a.delay_s == 0.0 {
-            return Some((0, 0.0));
+            return (0, 0.0);
         }
         let corner = rad_per_s(a.bandwidth_hz);
         let low_pass = |w: f64| 1.0 / (1.0 + (w / corner).powi(2 * a.order as i32)).sqrt();
-        DELAY_ORDERS.into_iter().find_map(|order| {
-            let error = self
-                .gains
+        let error = |order: usize| {
+            self.gains
                 .iter()
                 .map(|(w, gain)| (gain * low_pass(*w), *w))
                 .filter(|(gain, _)| *gain >= LEAST_GAIN)
                 .map(|(gain, w)| gain * pade_error(w * a.delay_s, order))
-                .fold(0.0, f64::max);
-            (error <= DELAY_ERROR).then_some((order, error))
-        })
+                .fold(0.0, f64::max)
+        };
+        let last = *DELAY_ORDERS.end();
+        let good = DELAY_ORDERS.map(|order| (order, error(order))).find(|(_, error)| *error <= DELAY_ERROR);
+        good.unwrap_or_else(|| (last, error(last)))
     }
 
     /// The controller with actuators behind it.
@@ -190,7 +178,10 @@ impl<'a> Loop<'a> {
 
     /// None where the delay is too long for its approximation.
     fn is_stable(&self, a: &ActuatorSection) -> Result<Option<bool>, LtiError> {
-        let Some((order, _)) = self.delay_order(a) else { return Ok(None) };
+        let (order, error) = self.delay_order(a);
+        if !(error <= DELAY_ERROR) {
+            return Ok(None);
+        }
         let closed = match self.back.feedback(&self.with(a, order)?) {
             Err(LtiError::IllPosed { .. }) => return Ok(Some(false)),
             closed => closed?,
@@ -198,29 +189,15 @@ impl<'a> Loop<'a> {
         closed.is_stable().map(Some)
     }
 
-    /// From the first value on, as far as the loop stays stable.
-    fn reach(
-        &self,
-        values: impl Iterator<Item = f64>,
-        with: impl Fn(f64) -> ActuatorSection,
-    ) -> Result<Reach, LtiError> {
-        // the first value that could be looked at, and the last at which the loop is stable
-        let (mut from, mut last): (Option<f64>, Option<f64>) = (None, None);
-        for value in values {
-            let Some(stable) = self.is_stable(&with(value))? else {
-                // a bandwidth so large that loop gains beyond the delay's approximation count; or a delay too long for it
-                if last.is_some() {
-                    break;
-                }
-                continue;
-            };
-            let from = *from.get_or_insert(value);
-            if stable {
-                last = Some(value);
-                continue;
-            }
-            let Some(mut good) = last else { return Ok(Reach { from, to: value, end: ReachEnd::Nowhere }) };
-            let mut bad = value;
+    /// Of ascending values those with which the loop is stable, as far as the delay can be approximated.
+    fn reach(&self, values: &[f64], with: impl Fn(f64) -> ActuatorSection + Sync) -> Result<Reach, LtiError> {
+        let found: Vec<_> = values.par_iter().map(|v| self.is_stable(&with(*v))).collect();
+        let mut seen: Vec<(f64, bool)> = Vec::new();
+        for (value, stable) in values.iter().zip(found) {
+            let Some(stable) = stable? else { break };
+            seen.push((*value, stable));
+        }
+        let end = |mut good: f64, mut bad: f64| -> Result<f64, LtiError> {
             for _ in 0..HALVINGS {
                 let middle = 0.5 * (good + bad);
                 if self.is_stable(&with(middle))? == Some(true) {
@@ -229,10 +206,43 @@ impl<'a> Loop<'a> {
                     bad = middle;
                 }
             }
-            return Ok(Reach { from, to: good, end: ReachEnd::Unstable });
+            Ok(good)
+        };
+        let mut stable: Vec<[f64; 2]> = Vec::new();
+        let mut last: Option<(f64, bool)> = None;
+        for (value, is) in &seen {
+            match (last, stable.last_mut()) {
+                (Some((_, true)), Some(open)) if *is => open[1] = *value,
+                (Some((before, true)), Some(open)) => open[1] = end(before, *value)?,
+                (Some((before, _)), _) if *is => stable.push([end(*value, before)?, *value]),
+                (None, _) if *is => stable.push([*value, *value]),
+                _ => {}
+            }
+            last = Some((*value, *is));
         }
-        let to = last.unwrap_or_default();
-        Ok(Reach { from: from.unwrap_or_default(), to, end: ReachEnd::LookedAt })
+        let looked_at = seen.first().zip(seen.last()).map(|(a, b)| [a.0, b.0]);
+        Ok(Reach { looked_at, stable })
+    }
+}
+
+impl Reach {
+    /// In words, with numbers as they are shown.
+    pub(super) fn words(&self, show: impl Fn(f64) -> String) -> String {
+        let Some([low, high]) = self.looked_at else {
+            return "not looked at: the delay is too long to be approximated".into();
+        };
+        let one = |[from, to]: &[f64; 2]| match (*from <= low, *to >= high) {
+            (true, true) => "all".to_owned(),
+            (true, false) => format!("up to {}", show(*to)),
+            (false, true) => format!("from {} on", show(*from)),
+            (false, false) => format!("{} to {}", show(*from), show(*to)),
+        };
+        let all = if self.stable.is_empty() {
+            "none".to_owned()
+        } else {
+            self.stable.iter().map(one).collect::<Vec<_>>().join(" and ")
+        };
+        format!("{all} (looked at: {} to {})", show(low), show(high))
     }
 }
 
@@ -244,20 +254,27 @@ pub(super) fn with_actuator(
     problem: &Problem,
     k: &StateSpace<Continuous>,
     nominal: &GoalNorms,
-) -> Result<Option<ActuatorLoop>, StudyError> {
+) -> Result<ActuatorLoop, StudyError> {
     let fail =
         |e: LtiError| StudyError::Design { name: problem.spec.vehicle.clone(), source: Box::new(e.into()) };
     let (actuator, stated) = (problem.spec.actuator.unwrap_or(WHAT_IF), problem.spec.actuator.is_some());
     let own = Loop::new(problem, k)?;
-    let Some((delay_order, delay_error)) = own.delay_order(&actuator) else { return Ok(None) };
-    let stable = own.is_stable(&actuator).map_err(fail)? == Some(true);
-    let found = own.with(&actuator, delay_order).and_then(|k| GoalNorms::of(problem, &k)).map_err(fail)?;
-    let (goal, norms) = found.ok().filter(|_| stable).map(|f| f.over(nominal)).unwrap_or_default();
-    let (down, up) = rayon::join(
-        || own.reach(bandwidths(), |bandwidth_hz| ActuatorSection { bandwidth_hz, ..actuator }),
-        || own.reach(delays(), |delay_s| ActuatorSection { delay_s, ..actuator }),
+    let (delay_order, delay_error) = own.delay_order(&actuator);
+    let stable = own.is_stable(&actuator).map_err(fail)?;
+    let (goal, norms) = if stable == Some(true) {
+        let with = own.with(&actuator, delay_order).map_err(fail)?;
+        let found = GoalNorms::of(problem, &with).map_err(fail)?;
+        found.map(|f| f.over(nominal)).unwrap_or_default()
+    } else {
+        Default::default()
+    };
+    let bandwidths = steps(BANDWIDTHS_HZ, &[actuator.bandwidth_hz]);
+    let delays = steps(DELAYS_S, &[0.0, actuator.delay_s]);
+    let (over_bandwidth, over_delay) = rayon::join(
+        || own.reach(&bandwidths, |bandwidth_hz| ActuatorSection { bandwidth_hz, ..actuator }),
+        || own.reach(&delays, |delay_s| ActuatorSection { delay_s, ..actuator }),
     );
-    Ok(Some(ActuatorLoop {
+    Ok(ActuatorLoop {
         actuator,
         stated,
         stable,
@@ -265,19 +282,19 @@ pub(super) fn with_actuator(
         norms,
         delay_order,
         delay_error,
-        bandwidth_hz: down.map_err(fail)?,
-        delay_s: up.map_err(fail)?,
-    }))
+        bandwidth_hz: over_bandwidth.map_err(fail)?,
+        delay_s: over_delay.map_err(fail)?,
+    })
 }
 
-fn bandwidths() -> impl Iterator<Item = f64> {
-    let next = |b: &f64| Some(b / BANDWIDTH_STEP).filter(|b| *b >= BANDWIDTHS_HZ[0]);
-    std::iter::successors(Some(BANDWIDTHS_HZ[1]), next)
-}
-
-fn delays() -> impl Iterator<Item = f64> {
-    let next = |d: &f64| Some(d * DELAY_STEP).filter(|d| *d <= DELAYS_S[1]);
-    std::iter::once(0.0).chain(std::iter::successors(Some(DELAYS_S[0]), next))
+/// From one end to the other and both of them, with others, ascending.
+fn steps([low, high]: [f64; 2], others: &[f64]) -> Vec<f64> {
+    let next = |v: &f64| Some(v * STEP).filter(|v| *v < high);
+    let mut all: Vec<f64> =
+        std::iter::successors(Some(low), next).chain([high]).chain(others.iter().copied()).collect();
+    all.sort_by(f64::total_cmp);
+    all.dedup();
+    all
 }
 
 /// |P(−ix)/P(ix) − e^{−ix}| of Padé's P of some order: both are of modulus 1, so it is 2 |sin| of half the phases' difference.
@@ -299,120 +316,4 @@ fn pade_error(x: f64, order: usize) -> f64 {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::study::design_problem::Norm;
-    use crate::study::{DesignOutcome, Goal, design};
-
-    /// Fifteen halvings of a quarter of the value, and the delay's approximation.
-    const BISECTED: f64 = 1e-3;
-
-    fn quarter(actuator: ActuatorSection) -> (DesignSpec, DesignOutcome) {
-        let minimize = ["sprung_acceleration", "suspension_travel", "tire_deflection"];
-        let spec = DesignSpec {
-            vehicle: "case:turkay-quarter-car".into(),
-            road: "case:turkay-white-velocity".into(),
-            speed_m_s: 20.0,
-            measurements: vec!["suspension_travel".into()],
-            r#override: [("tire_damping_n_s_per_m".to_owned(), 98.0)].into_iter().collect(),
-            input_weight: 1e-9,
-            goal: Goal {
-                minimize: minimize.iter().map(|n| ((*n).to_owned(), 1.0)).collect(),
-                ..Goal::default()
-            },
-            actuator: Some(actuator),
-            ..DesignSpec::default()
-        };
-        let outcome = design(&spec).unwrap().0;
-        (spec, outcome)
-    }
-
-    /// Evenly in log ω, so near to each other that what is between them does not count.
-    fn omegas() -> Vec<f64> {
-        (0..400_000).map(|k| 0.5 * (1e4f64.ln() * f64::from(k) / 4e5).exp()).collect()
-    }
-
-    /// K G a(s) over frequency, the delay left out.
-    fn open_loop(
-        problem: &Problem,
-        k: &StateSpace<Continuous>,
-        a: &ActuatorSection,
-        omegas: &[f64],
-    ) -> Vec<C64> {
-        let car = &problem.vehicle;
-        let back = car.actuated(&[car.output("suspension_travel").unwrap()], &[0]).unwrap();
-        let open = back.series(k).unwrap().frequency_response(omegas).unwrap();
-        let corner = rad_per_s(a.bandwidth_hz);
-        let low_pass = |w: f64| {
-            let x = C64::new(0.0, w / corner);
-            if a.order == 1 { x + 1.0 } else { x * x + x * 2f64.sqrt() + 1.0 }
-        };
-        omegas.iter().zip(open).map(|(w, l)| l[(0, 0)] / low_pass(*w)).collect()
-    }
-
-    #[test]
-    fn the_largest_delay_is_the_delay_margin() {
-        for order in [1, 2] {
-            let actuator = ActuatorSection { bandwidth_hz: 60.0, delay_s: 0.0, order };
-            let (spec, outcome) = quarter(actuator);
-            let found = outcome.robustness.as_ref().unwrap().actuator.as_ref().unwrap();
-            assert!(found.stable && found.stated && found.delay_order == 0, "{found:?}");
-            assert_eq!(found.delay_s.end, ReachEnd::Unstable, "{found:?}");
-            // with u = +K y a pole crosses where K G a e^{−iωT} = 1: of all ω with |K G a| = 1 the least T
-            let omegas = omegas();
-            let problem = Problem::new(&spec, Norm::H2).unwrap();
-            let k = outcome.controller.as_ref().unwrap().state_space().unwrap();
-            let l = open_loop(&problem, &k, &actuator, &omegas);
-            let crossing = |k: &usize| (l[*k].norm() - 1.0) * (l[*k + 1].norm() - 1.0) <= 0.0;
-            let turn = |k: usize| l[k].arg().rem_euclid(std::f64::consts::TAU) / omegas[k];
-            let margin = (0..l.len() - 1).filter(crossing).map(turn).fold(f64::INFINITY, f64::min);
-            let ratio = found.delay_s.to / margin;
-            assert!((ratio - 1.0).abs() < BISECTED, "order {order}: {} {margin}", found.delay_s.to);
-        }
-    }
-
-    #[test]
-    fn at_the_least_bandwidth_the_loop_swings_on_with_the_exact_delay() {
-        let actuator = ActuatorSection { bandwidth_hz: 200.0, delay_s: 0.004, order: 1 };
-        let (spec, _) = quarter(actuator);
-        let problem = Problem::new(&spec, Norm::H2).unwrap();
-        // a spring eight times as stiff as the car's own, by the actuator: late, it is a negative damper of 512 N s/m and more
-        let k = StateSpace::continuous_gain(Mat::from_fn(1, 1, |_, _| 8.0 * 16000.0)).unwrap();
-        let nominal = GoalNorms::of(&problem, &k).unwrap().unwrap();
-        let found = with_actuator(&problem, &k, &nominal).unwrap().unwrap();
-        assert!(found.stable && found.bandwidth_hz.end == ReachEnd::Unstable, "{found:?}");
-        let least = found.bandwidth_hz.to;
-        let omegas = omegas();
-        let nearest = |bandwidth_hz: f64| {
-            let l = open_loop(&problem, &k, &ActuatorSection { bandwidth_hz, ..actuator }, &omegas);
-            let turned = l.iter().zip(&omegas).map(|(l, w)| l * C64::from_polar(1.0, -w * actuator.delay_s));
-            turned.map(|l| (l - 1.0).norm()).fold(f64::INFINITY, f64::min)
-        };
-        // K G a e^{−iωT} = 1 there, and not at twice that
-        assert!(nearest(least) < 5.0 * BISECTED, "{} at {least}", nearest(least));
-        assert!(nearest(2.0 * least) > 20.0 * BISECTED, "{}", nearest(2.0 * least));
-    }
-
-    #[test]
-    fn the_error_of_a_delay_is_the_one_of_its_system() {
-        for order in [2, 3, 7, 12] {
-            for x in [0.3, 1.0, 2.5] {
-                let g = pade_delay(0.1, order).unwrap().frequency_response(&[x / 0.1]).unwrap()[0][(0, 0)];
-                let known = (g - C64::from_polar(1.0, -x)).norm();
-                assert!((pade_error(x, order) - known).abs() < 1e-9, "{order} {x}");
-            }
-        }
-    }
-
-    #[test]
-    fn actuators_that_are_none_are_refused() {
-        let wrong = |actuator| {
-            let spec = DesignSpec { actuator: Some(actuator), ..DesignSpec::default() };
-            spec.check_actuator().unwrap_err().to_string()
-        };
-        let good = ActuatorSection { bandwidth_hz: 20.0, delay_s: 0.005, order: 1 };
-        assert!(wrong(ActuatorSection { bandwidth_hz: 0.0, ..good }).contains("actuator.bandwidth_hz"));
-        assert!(wrong(ActuatorSection { delay_s: -1.0, ..good }).contains("actuator.delay_s"));
-        assert!(wrong(ActuatorSection { order: 3, ..good }).contains("Butterworth"));
-    }
-}
+mod tests;

@@ -3,6 +3,7 @@
 
 use super::design_outcome::DesignOutcome;
 use super::design_problem::Problem;
+use super::design_words::short;
 use super::{
     Flag, StudyError, design_bode, design_fragile, design_limit_loop, design_responses, design_robustness,
     design_vehicle,
@@ -28,11 +29,17 @@ pub(super) fn beside(
         Err(e) => outcome.notes.push(note("hidden-mode", &e)),
     }
     match design_robustness::robustness(problem, k) {
-        Ok(Some(r)) => {
+        Ok(Ok(r)) => {
             design_fragile::fragile(&r, outcome);
             outcome.robustness = Some(r);
         }
-        Ok(None) => {}
+        Ok(Err(grows)) => {
+            let text = format!(
+                "robustness is not shown: as it is computed the loop grows at {} 1/s and has no norms to compare with",
+                short(grows)
+            );
+            outcome.notes.push(Flag { name: "robustness".into(), text });
+        }
         Err(e) => outcome.notes.push(note("robustness", &e)),
     }
     match design_responses::responses(problem, k, outcome.passive.stable) {

@@ -1,7 +1,7 @@
 //! What a reader must know of a design's robustness, in words: numbers that it hangs on, an actuator that it does not bear, modes that its
 //! goal does not show, responses far above the passive ones.
 
-use super::design_actuator::{ActuatorLoop, ReachEnd};
+use super::design_actuator::ActuatorLoop;
 use super::design_outcome::DesignOutcome;
 use super::design_problem::Problem;
 use super::design_robustness::{Perturbed, PerturbedKind, Robustness};
@@ -40,8 +40,8 @@ pub(super) fn fragile(r: &Robustness, outcome: &mut DesignOutcome) {
         );
         outcome.notes.push(flag("fragile-entries", text));
     }
-    if let Some(a) = r.actuator.as_ref().filter(|a| !a.stable) {
-        let (text, stated) = (actuator_words(a), a.stated);
+    if let Some(text) = r.actuator.as_ref().and_then(actuator_words) {
+        let stated = r.actuator.as_ref().is_some_and(|a| a.stated);
         let list = if stated { &mut outcome.warnings } else { &mut outcome.notes };
         list.push(flag("actuator", text));
     }
@@ -85,22 +85,26 @@ fn unstable_words(p: &Perturbed) -> String {
     format!("{} ({:+.0} %{grows})", p.named(), 100.0 * p.by)
 }
 
-fn actuator_words(a: &ActuatorLoop) -> String {
+/// Of a loop that is not stable with the actuator, or not known to be.
+fn actuator_words(a: &ActuatorLoop) -> Option<String> {
     let given = if a.stated { "the actuator stated" } else { "a usual actuator, were there one," };
-    let need = match a.bandwidth_hz.end {
-        ReachEnd::Nowhere => "no bandwidth up to 10 kHz helps with this delay".to_owned(),
-        _ => format!("with this delay it takes at least {} Hz", short(a.bandwidth_hz.to)),
-    };
-    let delay = match a.delay_s.end {
-        ReachEnd::Nowhere => "no delay, however short, is borne with this bandwidth".to_owned(),
-        _ => format!("with this bandwidth a delay of at most {} ms", short(1e3 * a.delay_s.to)),
-    };
-    format!(
-        "with {given} of {} Hz and {} ms of delay the loop is not stable: {need}, {delay}. Weight the control (input_weight) or bound it \
-         (goal.max_gain)",
-        short(a.actuator.bandwidth_hz),
-        short(1e3 * a.actuator.delay_s)
-    )
+    let (hz, ms) = (|v: f64| format!("{} Hz", short(v)), |v: f64| format!("{} ms", short(1e3 * v)));
+    let of = format!("{given} of {} and {} of delay", hz(a.actuator.bandwidth_hz), ms(a.actuator.delay_s));
+    let (bandwidths, delays) = (a.bandwidth_hz.words(hz), a.delay_s.words(ms));
+    let which = format!(
+        "bandwidths that are stable with this delay: {bandwidths}; delays that are with this bandwidth: {delays}"
+    );
+    match a.stable {
+        Some(true) => None,
+        Some(false) => Some(format!(
+            "with {of} the loop is not stable; {which}. Weight the control (input_weight) or bound it (goal.max_gain)"
+        )),
+        None => Some(format!(
+            "whether the loop is stable with {of} is not known: the delay's approximation of order {} is off by {} of the loop's gain; {which}",
+            a.delay_order,
+            short(a.delay_error)
+        )),
+    }
 }
 
 impl Perturbed {

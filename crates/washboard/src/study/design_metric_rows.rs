@@ -5,6 +5,9 @@ use super::{DesignMetrics, Named, RideMetrics, TravelUse};
 /// Places at the end of names, longest first.
 const PLACES: [&str; 6] = ["front_left", "front_right", "rear_left", "rear_right", "front", "rear"];
 
+/// Shares of time in percent, and how often an hour or a kilometre: less of it than this is never, to any driver.
+const NEVER: f64 = 1e-6;
+
 /// What a metric says of a car.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum MetricGroup {
@@ -61,11 +64,22 @@ pub struct MetricRow {
 }
 
 impl MetricRow {
-    /// The loop's over the passive one, less 1.
+    /// The loop's over the passive one, less 1; none of what never happens.
     #[must_use]
     pub fn change(&self) -> Option<f64> {
         let [before, after] = [self.values[0]?, self.values[1]?];
-        (before > 0.0).then(|| after / before - 1.0)
+        (before > 0.0 && !self.is_never(before)).then(|| after / before - 1.0)
+    }
+
+    /// Passive and closed as they are shown: numbers by `number`, but for what never happens.
+    #[must_use]
+    pub fn shown(&self, number: impl Fn(f64) -> String) -> [Option<String>; 2] {
+        let one = |v: f64| if self.is_never(v) { format!("never (< {NEVER:e})") } else { number(v) };
+        self.values.map(|v| v.map(one))
+    }
+
+    fn is_never(&self, v: f64) -> bool {
+        ["%", "1/h", "1/km"].contains(&self.unit.as_str()) && v < NEVER
     }
 }
 
@@ -106,10 +120,20 @@ const fn quantity(
     Quantity { group, key, what, unit, whole, of }
 }
 
-const QUANTITIES: [Quantity; 13] = [
+const QUANTITIES: [Quantity; 14] = [
     quantity(MetricGroup::Comfort, ["weighted", "weighted", ""], Whole::Worst, |m| {
         pick(&m.weighted, |w| Some(w.rms))
     }),
+    quantity(
+        MetricGroup::Comfort,
+        [
+            "vibration_total",
+            "vibration total value (z and rotations only: without x, y, seat-back and feet), seat at",
+            "m/s²",
+        ],
+        Whole::Worst,
+        |m| m.vibration_total.iter().map(|t| (t.at.clone(), t.rms)).collect(),
+    ),
     quantity(MetricGroup::RattleSpace, ["three_sigma", "3σ of", "m"], Whole::Worst, |m| {
         used(m, |t| Some(t.three_sigma_m))
     }),
@@ -264,21 +288,24 @@ impl super::DesignOutcome {
     pub fn metrics_words(&self) -> String {
         let Some(m) = &self.metrics else { return String::new() };
         let stroke = m.stroke_m.map_or_else(
-            || "no stroke is given ([metrics] stroke_m), 3σ is what 0.27 % of the time goes beyond".to_owned(),
-            |s| format!("the stroke is ±{s} m about rest; bottoming is the expected number of times that it is reached (Rice)"),
+            || "No stroke is given ([metrics] stroke_m); 3σ is what 0.27 % of the time goes beyond".to_owned(),
+            |s| format!("The stroke is ±{s} m about rest; bottoming is the expected number of times that it is reached (Rice)"),
         );
         let rides: Vec<&RideMetrics> = m.passive.iter().chain(&m.closed).collect();
         let weightless = rides.iter().all(|r| r.tire_load.is_empty());
         let loads = if weightless {
-            "; no dynamic load coefficient: no tire forces, or no finite ones, over a known weight"
+            "There is no dynamic load coefficient: no tire forces, or no finite ones, over a known weight"
         } else {
-            "; a load coefficient is the rms of a tire's dynamic force over its static load"
+            "A load coefficient is the rms of a tire's dynamic force over its static load"
         };
+        let stated = self.design.metrics.is_some_and(|m| m.bump.is_some());
+        let whose = if stated { "" } else { " (the default: [metrics] bump states another)" };
         format!(
-            "weighted accelerations are rms behind W_k (vertical) and W_e (rotational) as a rigid seat on the body has them, words are ISO 2631-1 annex C's \
-             (informative, for public transport); {stroke}{loads}; the bump is {} m high and {} m long (5.21), settling is to 5 % of the peak; signals are \
-             taken to be Gaussian, power that an actuator gives is positive",
-            m.bump.height_m, m.bump.length_m
+            "Metrics are of the road's part alone, without the sensors' noise, at {} m/s. Weighted accelerations are rms of one axis, without the others, behind \
+             W_k (vertical) and W_e (rotational) as a rigid seat on the body has them; words are ISO 2631-1 annex C's (informative, for the total value in public \
+             transport), at the driver and the centre of gravity alone. {stroke}. {loads}. The bump is {} m high and {} m long, w = ½h(1 − cos 2πvt/l){whose}; \
+             settling is to 5 % of the peak. Signals are taken to be Gaussian; power that an actuator gives is positive.",
+            self.design.speed_m_s, m.bump.height_m, m.bump.length_m
         )
     }
 }
@@ -313,9 +340,35 @@ mod tests {
         let heave = find("weighted_heave_acceleration");
         assert_eq!((heave.unit.as_str(), heave.what.as_str()), ("m/s²", "weighted heave_acceleration"));
         assert_eq!(heave.words[0], m.weighted.get("heave_acceleration").unwrap().reactions.join(", "));
-        // the worst corner's words, not the last one's
-        let corner = find("weighted_body_acceleration");
-        assert_eq!(corner.words[0], crate::metrics::reactions(corner.values[0].unwrap()).join(", "));
+        assert!(!heave.words[0].is_empty());
+        // nobody sits on a wheel's corner
+        assert!(find("weighted_body_acceleration").words[0].is_empty());
+        let of = |name: &str| m.weighted.get(name).unwrap().rms;
+        let turns = (0.4 * of("pitch_acceleration")).hypot(0.63 * of("roll_acceleration"));
+        let total = find("vibration_total_driver");
+        assert!((total.values[0].unwrap() - of("driver_heave_acceleration").hypot(turns)).abs() < 1e-12);
+        assert!(total.what.contains("without x, y, seat-back and feet") && total.unit == "m/s²");
+    }
+
+    #[test]
+    fn what_happens_once_in_a_lifetime_is_never() {
+        let row = |unit: &str, before: f64, after: f64| MetricRow {
+            group: MetricGroup::RattleSpace,
+            key: "beyond_stroke".into(),
+            what: String::new(),
+            unit: unit.into(),
+            values: [Some(before), Some(after)],
+            words: Default::default(),
+        };
+        let number = |v: f64| format!("{v}");
+        let never = || Some("never (< 1e-6)".to_owned());
+        let rare = row("%", 5.647e-46, 0.25);
+        assert_eq!(rare.shown(number), [never(), Some("0.25".into())]);
+        assert!(rare.change().is_none());
+        assert_eq!(row("1/h", 0.5, 9.176e-80).shown(number), [Some("0.5".into()), never()]);
+        assert_eq!(row("1/h", 0.5, 9.176e-80).change(), Some(-1.0));
+        // a force of a micronewton is one
+        assert_eq!(row("N", 1e-7, 1.0).shown(number)[0], Some(number(1e-7)));
     }
 
     #[test]

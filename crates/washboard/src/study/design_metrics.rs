@@ -2,7 +2,7 @@
 
 use super::bump_metrics::{BumpMetrics, BumpSpec};
 use super::design_problem::Problem;
-use super::ride_metrics::{Judged, RideMetrics, RideMetricsError, check_stroke};
+use super::ride_metrics::{Judged, RideMetrics, RideMetricsError, check_stroke, long_stroke};
 use super::{Flag, StudyError};
 use crate::lti::{Continuous, StateSpace};
 use crate::vehicle::{Bump, Control, Ride};
@@ -57,7 +57,7 @@ impl Problem {
         passive_is_stable: bool,
         controller: Option<&StateSpace<Continuous>>,
     ) -> (DesignMetrics, Vec<Flag>) {
-        let mut notes = Vec::new();
+        let mut notes: Vec<Flag> = long_stroke(section.stroke_m).into_iter().collect();
         let mut of = |k: Option<&StateSpace<Continuous>>, whose: &str| match self.metrics_of(section, k) {
             Ok((metrics, bump)) => {
                 let text = |e| format!("the {whose} has no bump response: {e}");
@@ -138,6 +138,7 @@ mod tests {
     fn a_loops_weighted_acceleration_is_the_h2_norm_behind_the_filter() {
         let (outcome, _) = design(&spec()).unwrap();
         let metrics = outcome.metrics.as_ref().unwrap();
+        assert!(outcome.metrics_words().contains("stroke is ±0.05 m"), "{}", outcome.metrics_words());
         let problem = Problem::new(&spec(), Norm::H2).unwrap();
         let k = outcome.controller.as_ref().unwrap().state_space().unwrap();
         let at = problem.reported.iter().position(|o| o.name == "sprung_acceleration").unwrap();
@@ -165,6 +166,19 @@ mod tests {
         // and they are read back as they are
         let text = serde_json::to_string(&outcome).unwrap();
         assert_eq!(serde_json::from_str::<crate::study::DesignOutcome>(&text).unwrap(), outcome);
+    }
+
+    #[test]
+    fn a_stroke_in_millimetres_is_told() {
+        let long = |stroke_m| DesignSpec {
+            metrics: Some(MetricsSection { stroke_m: Some(stroke_m), bump: None }),
+            ..spec()
+        };
+        let told = |stroke_m| {
+            let notes = design(&long(stroke_m)).unwrap().0.notes;
+            notes.into_iter().find(|n| n.name == "stroke").map(|n| n.text)
+        };
+        assert!(told(80.0).unwrap().contains("a stroke of 80 m") && told(0.08).is_none());
     }
 
     #[test]

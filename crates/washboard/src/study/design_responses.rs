@@ -1,14 +1,13 @@
 //! A design in time: over one bump and on a few seconds of random road, the vehicle without control beside the loop.
 
+use super::bump_metrics::passage_s;
 use super::design_outputs::shown;
 use super::design_problem::Problem;
-use super::{Flag, Named, ResponseGroup, StudyError};
+use super::{BumpSpec, Flag, Named, ResponseGroup, StudyError};
 use crate::lti::{Continuous, StateSpace};
-use crate::vehicle::{Bump, Control, Output, RoadRun};
+use crate::vehicle::{Bump, BumpModes, Control, Output, RoadRun};
 use serde::{Deserialize, Serialize};
 
-/// The bump of Türkay's (5.21): ½h(1 − cos(2πvτ/l)).
-const BUMP_M: [f64; 2] = [0.1, 2.0];
 /// What is shown after the last wheel has left it, s.
 const AFTER_S: f64 = 2.0;
 /// A stretch of road, s, its steps, and the throw of its dice.
@@ -17,8 +16,6 @@ const ROAD_STEP_S: f64 = 1e-3;
 const SEED: u64 = 1;
 /// Samples of a curve, at most: peaks are found among all.
 const SAMPLES: usize = 400;
-/// A peak below this share of the loop's is none.
-const ROUNDING: f64 = 1e-9;
 /// Digits of a sample.
 const DIGITS: usize = 5;
 
@@ -112,22 +109,22 @@ fn over_bump(
     outputs: &[&Output],
     controls: &[Option<&Control>],
 ) -> Result<TimeResponses, String> {
-    let [height_m, length_m] = BUMP_M;
+    let stated = problem.spec.metrics.and_then(|m| m.bump);
+    let BumpSpec { height_m, length_m } = stated.unwrap_or_default();
     let speed = problem.spec.speed_m_s;
     let bump = Bump::new(height_m, length_m).map_err(|e| e.to_string())?;
-    let x = problem.vehicle.wheels().iter().map(|w| w.at_m[0]);
-    let extent = x.clone().fold(f64::NEG_INFINITY, f64::max) - x.fold(f64::INFINITY, f64::min);
-    let duration_s = (extent + length_m) / speed + AFTER_S;
+    let duration_s = passage_s(&problem.vehicle, length_m, speed) + AFTER_S;
+    let modes = BumpModes::Vehicle;
     let run = |c: &Option<&Control>| {
-        let found = problem.vehicle.bump_response(outputs, bump, speed, duration_s, *c);
+        let found = problem.vehicle.bump_response_for(outputs, bump, speed, duration_s, *c, modes);
         found.map_err(|e| e.to_string())
     };
     let found = controls.iter().map(run).collect::<Result<Vec<_>, _>>()?;
-    // the loop's own steps are its fastest mode's: both on one time
     let last = found.iter().filter_map(|f| f.time_s.last()).copied().fold(f64::INFINITY, f64::min);
     let time_s: Vec<f64> = (0..SAMPLES).map(|k| last * k as f64 / (SAMPLES - 1) as f64).collect();
     let all: Vec<(Vec<f64>, Series)> = found.into_iter().map(|f| (f.time_s, f.outputs)).collect();
-    let what = format!("a bump of {height_m} m on {length_m} m at {speed} m/s, ½h(1 − cos 2πvt/l)");
+    let whose = if stated.is_some() { "" } else { ", the default: [metrics] bump states another" };
+    let what = format!("a bump of {height_m} m on {length_m} m at {speed} m/s, ½h(1 − cos 2πvt/l){whose}");
     Ok(gathered(what, time_s, outputs, &all))
 }
 
@@ -169,13 +166,7 @@ fn gathered(
         outputs.iter().zip(series).map(|(o, y)| (o.name.clone(), peak(y))).collect()
     };
     let (closed, passive) = (curves(0), curves(1));
-    let (closed_peak, mut passive_peak) = (peaks(0), peaks(1));
-    for (name, closed) in closed_peak.iter() {
-        // what a symmetric vehicle cancels is zero but for rounding
-        if passive_peak.get(name).is_some_and(|p| *p < ROUNDING * closed) {
-            passive_peak.insert(name, 0.0);
-        }
-    }
+    let (closed_peak, passive_peak) = (peaks(0), peaks(1));
     let time_s = time_s.into_iter().map(rounded).collect();
     TimeResponses { what, time_s, passive, closed, passive_peak, closed_peak }
 }
@@ -196,7 +187,9 @@ fn rounded(v: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::study::{DesignSpec, Goal, RespondSpec, design, respond};
+    use crate::linalg::Mat;
+    use crate::study::design_problem::Norm;
+    use crate::study::{DesignSpec, Goal, MetricsSection, RespondSpec, design, respond};
 
     /// Half a digit of what is kept of a sample.
     const KEPT: f64 = 1e-4;
@@ -215,6 +208,10 @@ mod tests {
                 minimize: minimize.iter().map(|n| ((*n).to_owned(), 1.0)).collect(),
                 ..Goal::default()
             },
+            metrics: Some(MetricsSection {
+                stroke_m: Some(0.08),
+                bump: Some(BumpSpec { height_m: 0.05, length_m: 1.5 }),
+            }),
             ..DesignSpec::default()
         };
         let o = design(&spec).unwrap().0;
@@ -227,13 +224,27 @@ mod tests {
         let asked = |controller| RespondSpec {
             vehicle: spec.vehicle.clone(),
             speed_m_s: 12.5,
-            bump: Some([0.1, 2.0]),
+            bump: Some([0.05, 1.5]),
             direction: None,
             controller,
         };
         let closed = respond(&asked(Some(file))).unwrap().0.bump.unwrap();
         let passive = respond(&asked(None)).unwrap().0.bump.unwrap();
         std::fs::remove_dir_all(&folder).unwrap();
+        // the one stated, as the metrics have it, and both say so
+        assert!(
+            bump.what.starts_with("a bump of 0.05 m on 1.5 m at 12.5 m/s") && !bump.what.contains("default")
+        );
+        let words = o.metrics_words();
+        assert!(words.contains("0.05 m high and 1.5 m long") && words.contains("12.5 m/s"), "{words}");
+        let peak = |m: &Option<crate::study::RideMetrics>| m.as_ref().unwrap().bump.clone().unwrap().peak;
+        let metrics = o.metrics.as_ref().unwrap();
+        for (own, known) in
+            [(&bump.passive_peak, peak(&metrics.passive)), (&bump.closed_peak, peak(&metrics.closed))]
+        {
+            let (a, b) = (own.get("heave_acceleration").unwrap(), known.get("heave_acceleration").unwrap());
+            assert!((a / b - 1.0).abs() < 1e-12, "{a} {b}");
+        }
         for (own, known) in [(&bump.passive_peak, passive), (&bump.closed_peak, closed)] {
             assert!(own.iter().count() >= 6);
             for (name, peak) in own.iter() {
@@ -264,5 +275,35 @@ mod tests {
         };
         assert!(most(a) > 1e-3 && most(b) > 1e-3 && a != b);
         assert!((rounded(1.234567) - 1.2346).abs() < KEPT * 1e-4);
+    }
+
+    #[test]
+    fn fast_controllers_have_a_response_over_the_default_bump() {
+        let spec = DesignSpec {
+            vehicle: "case:turkay-quarter-car".into(),
+            road: "case:turkay-white-velocity".into(),
+            speed_m_s: 20.0,
+            measurements: vec!["suspension_travel".into()],
+            goal: Goal {
+                minimize: [("suspension_travel".to_owned(), 1.0)].into_iter().collect(),
+                ..Goal::default()
+            },
+            ..DesignSpec::default()
+        };
+        let problem = Problem::new(&spec, Norm::H2).unwrap();
+        // a spring behind a filter far faster than any mode
+        let one = |v: f64| Mat::from_fn(1, 1, |_, _| v);
+        let k = StateSpace::continuous(one(-1e5), one(1e5), one(3e3), one(0.0)).unwrap();
+        let (found, notes) = responses(&problem, &k, true).unwrap();
+        assert!(notes.is_empty(), "{notes:?}");
+        let what = found.bump.unwrap().what;
+        assert!(what.contains("0.1 m on 2 m at 20 m/s") && what.contains("the default"), "{what}");
+        // the same loop with samples for its own modes cannot be had, and says why
+        let y = ["suspension_travel".to_owned()];
+        let control = Control::new(&problem.vehicle, k, &y, &["actuator".to_owned()]).unwrap();
+        let z = [problem.vehicle.output("suspension_travel").unwrap()];
+        let e = problem.vehicle.bump_response(&z, Bump::new(0.1, 2.0).unwrap(), 20.0, 3.0, Some(&control));
+        let e = e.unwrap_err().to_string();
+        assert!(e.contains("samples, more than 4e5") && e.contains("1.00e5 rad/s"), "{e}");
     }
 }

@@ -82,17 +82,20 @@ pub enum PerturbedKind {
     Entry,
 }
 
-/// The loop with every number changed, and with an actuator; none where the loop as designed has no norms.
+/// The loop with every number changed, and with an actuator; of a loop as designed that has no norms how fast it grows, 1/s.
 ///
 /// # Errors
 /// An iteration that does not converge.
 pub(super) fn robustness(
     problem: &Problem,
     k: &StateSpace<Continuous>,
-) -> Result<Option<Robustness>, StudyError> {
+) -> Result<Result<Robustness, f64>, StudyError> {
     let fail = |e| failed(problem, e);
     let own = problem.at(&[])?;
-    let Ok(nominal) = GoalNorms::of(&own, k).map_err(fail)? else { return Ok(None) };
+    let nominal = match GoalNorms::of(&own, k).map_err(fail)? {
+        Ok(nominal) => nominal,
+        Err(grows) => return Ok(Err(grows)),
+    };
     let mut vehicle = Vec::new();
     let mut left_out = Vec::new();
     let parameters = parameters(problem);
@@ -125,8 +128,8 @@ pub(super) fn robustness(
             Ok(perturbed(change.kind, change.what.clone(), &loops, &nominal))
         })
         .collect::<Result<Vec<_>, StudyError>>()?;
-    let actuator = with_actuator(&own, k, &nominal)?;
-    Ok(Some(Robustness {
+    let actuator = Some(with_actuator(&own, k, &nominal)?);
+    Ok(Ok(Robustness {
         share: SHARE,
         vehicle,
         controller,
@@ -295,8 +298,18 @@ mod tests {
             ..DesignSpec::default()
         };
         let outcome = design(&spec).unwrap().0;
-        let robustness = outcome.robustness.unwrap();
-        assert!(!robustness.vehicle.is_empty() && !robustness.controller.is_empty());
+        let found = outcome.robustness.as_ref().unwrap();
+        assert!(!found.vehicle.is_empty() && !found.controller.is_empty());
+        // what grows does not grow by rounding: levers that are no round numbers bring no pole of their own
+        let all = || found.vehicle.iter().chain(&found.controller);
+        assert!(all().filter_map(|p| p.grows_1_per_s).all(|g| g > 1e-6));
+        for name in ["front_axle_m", "rear_axle_m"] {
+            let lever = all().find(|p| p.what == name).unwrap();
+            assert!(lever.stable && !lever.norms.is_empty(), "{lever:?}");
+        }
+        // what is so stays so: a twentieth less of this spring and the loop grows
+        let spring = all().find(|p| p.what == "front.suspension_stiffness_n_per_m").unwrap();
+        assert!(!spring.stable && spring.grows_1_per_s.is_some_and(|g| g > 0.1), "{spring:?}");
     }
 
     #[test]

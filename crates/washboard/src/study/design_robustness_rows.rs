@@ -1,6 +1,5 @@
 //! A design's robustness as rows of a table, for the printed one and for the page.
 
-use super::design_actuator::{ActuatorLoop, Reach, ReachEnd};
 use super::design_outcome::DesignOutcome;
 use super::design_robustness::{Perturbed, PerturbedKind};
 use super::design_words::short;
@@ -102,33 +101,23 @@ impl DesignOutcome {
         let mut rows = vec![
             (
                 format!("{hz} Hz of {kind} order and {delay} of delay ({asked})"),
-                if a.stable { "stable" } else { "not stable" }.to_owned(),
+                match a.stable {
+                    Some(true) => "stable",
+                    Some(false) => "not stable",
+                    None => "not known: the delay is too long to be approximated",
+                }
+                .to_owned(),
             ),
-            (format!("least bandwidth with {delay} of delay"), bandwidth(a.bandwidth_hz)),
-            (format!("largest delay with {hz} Hz"), delay_words(a, ms)),
+            (
+                format!("stable bandwidths with {delay} of delay"),
+                a.bandwidth_hz.words(|v| format!("{} Hz", short(v))),
+            ),
+            (format!("stable delays with {hz} Hz"), a.delay_s.words(ms)),
         ];
         if let Some(goal) = a.goal {
             rows.insert(1, ("the goal with it".to_owned(), format!("{:+.1} %", 100.0 * (goal - 1.0))));
         }
         rows
-    }
-}
-
-fn bandwidth(r: Reach) -> String {
-    let hz = short(r.to);
-    match r.end {
-        ReachEnd::Unstable => format!("{hz} Hz"),
-        ReachEnd::LookedAt => format!("any, from {} down to {hz} Hz", short(r.from)),
-        ReachEnd::Nowhere => format!("none: not stable at {hz} Hz"),
-    }
-}
-
-fn delay_words(a: &ActuatorLoop, ms: impl Fn(f64) -> String) -> String {
-    let to = ms(a.delay_s.to);
-    match a.delay_s.end {
-        ReachEnd::Unstable => to,
-        ReachEnd::LookedAt => format!("{to} at least (no longer one was looked at)"),
-        ReachEnd::Nowhere => "none: not stable without delay".to_owned(),
     }
 }
 

@@ -7,8 +7,8 @@ use super::design_words::short;
 use super::{
     DesignDisturbance, DesignMethod, Discretize, DiscretizeRule, Flag, Infinite, Named, Rms, StudyError,
 };
-use crate::linalg::C64;
-use crate::lti::{Continuous, StateSpace};
+use crate::linalg::{C64, LinalgError, RealSchur};
+use crate::lti::{Continuous, LtiError, StateSpace};
 use crate::synthesis::SynthesisError;
 
 /// A response that is so many times the passive one at its worst is worth a warning.
@@ -17,6 +17,9 @@ const WORSE_PEAK: f64 = 3.0;
 const PACE: f64 = 100.0;
 /// An output that becomes worse by more than this share is worth a warning.
 const WORSE_RMS: f64 = 0.1;
+
+/// Feedthrough around the loop from which on it is noted.
+const NEARLY_ALGEBRAIC: f64 = 0.5;
 
 /// Values of a goal that differ by less than this share are the same to a reader.
 pub(super) const ALIKE: f64 = 1e-4;
@@ -77,6 +80,31 @@ pub(super) fn sampled_loop(
             pole.norm()
         ),
     }))
+}
+
+/// The controller's feedthrough times the measurements', ρ(D_K D₂₂): at 1 and above e^{−sT} times it turns to 1 right of the axis, at frequencies
+/// as high as T is short.
+pub(super) fn algebraic_loop(
+    problem: &Problem,
+    k: &StateSpace<Continuous>,
+) -> Result<Option<(Flag, bool)>, StudyError> {
+    let fail = |e: LinalgError| StudyError::Design {
+        name: problem.spec.vehicle.clone(),
+        source: Box::new(LtiError::from(e).into()),
+    };
+    let around = k.d() * problem.plant.d22();
+    let turns = RealSchur::only_eigenvalues(&around).map_err(fail)?;
+    let radius = turns.iter().map(|v| v.norm()).fold(0.0, f64::max);
+    if radius < NEARLY_ALGEBRAIC {
+        return Ok(None);
+    }
+    let then = if radius >= 1.0 { "any delay" } else { "at 1 any delay" };
+    let text = format!(
+        "the controller's feedthrough times the measurement's is {} (spectral radius): {then}, however short, makes the loop unstable where \
+         no low-pass stands between. Measure what a force does not move at once, or ask for a controller without feedthrough",
+        short(radius)
+    );
+    Ok(Some((Flag { name: "algebraic-loop".into(), text }, radius >= 1.0)))
 }
 
 /// Warnings where the loop has poles far slower or faster than any of the vehicle.
@@ -198,4 +226,45 @@ pub(super) fn worse(problem: &Problem, passive: &Measured, closed: &Measured) ->
     let peaks = flag("worse-peak", "the largest gain is far above the passive one", &peaks);
     let rms = flag("worse-rms", "on this road the rms is above the passive one", &rms);
     peaks.into_iter().chain(rms).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::linalg::Mat;
+    use crate::study::design_problem::Norm;
+    use crate::study::{DesignSpec, Goal};
+
+    #[test]
+    fn feedthrough_around_the_loop_is_told_from_one_half_on() {
+        let spec = DesignSpec {
+            vehicle: "case:turkay-quarter-car".into(),
+            road: "case:turkay-white-velocity".into(),
+            speed_m_s: 20.0,
+            measurements: vec!["sprung_acceleration".into()],
+            goal: Goal {
+                minimize: [("suspension_travel".to_owned(), 1.0)].into_iter().collect(),
+                ..Goal::default()
+            },
+            ..DesignSpec::default()
+        };
+        let problem = Problem::new(&spec, Norm::H2).unwrap();
+        let mass = problem.file.quarter_car.as_ref().unwrap().sprung_mass_kg;
+        let gain = |share: f64| StateSpace::continuous_gain(Mat::from_fn(1, 1, |_, _| share * mass)).unwrap();
+        // a force acts on the body's acceleration by −1/m_s
+        for (share, warned) in [(0.4, None), (-0.6, Some(false)), (0.99, Some(false)), (-11.0, Some(true))] {
+            let found = algebraic_loop(&problem, &gain(share)).unwrap();
+            assert_eq!(found.as_ref().map(|f| f.1), warned, "{share}");
+            if let Some((flag, _)) = found {
+                assert!(flag.text.contains(&format!("is {} ", f64::abs(share))), "{}", flag.text);
+            }
+        }
+        // with −0.9 or −1.1 a delay of 1 µs: its poles are those of 1 + share·e^{−sT} at high frequencies
+        for (share, stable) in [(0.9, true), (1.1, false)] {
+            let delay = crate::lti::pade_delay(1e-6, 4).unwrap();
+            let closed = problem.plant.close(&gain(share).series(&delay).unwrap()).unwrap();
+            let grows = closed.poles().unwrap().iter().map(|p| p.re).fold(f64::NEG_INFINITY, f64::max);
+            assert_eq!(grows < 1e3, stable, "{share}: {grows}");
+        }
+    }
 }

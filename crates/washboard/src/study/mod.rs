@@ -140,7 +140,7 @@ pub use damping::{DampingOnRoad, DampingOutcome, EquivalentDamper, damping};
 pub use demo::{DemoRun, demo};
 pub use demo_outcome::*;
 pub use design::design;
-pub use design_actuator::{ActuatorLoop, ActuatorSection, Reach, ReachEnd};
+pub use design_actuator::{ActuatorLoop, ActuatorSection, Reach};
 pub use design_bode::{BodeCurve, InvariantPoint};
 pub use design_fixed_outcome::*;
 pub use design_fixed_rows::{SearchRow, TargetRow};
@@ -179,7 +179,7 @@ pub use reproduce::{
 };
 pub use respond::{BumpOutcome, Direction, GainsOutcome, RespondOutcome, respond};
 pub use ride::{Infinite, RideOutcome, RideSpectra, Rms, ride};
-pub use ride_metrics::{ActuatorUse, RideMetrics, TireLoad, TravelUse, WeightedAcceleration};
+pub use ride_metrics::{ActuatorUse, RideMetrics, TireLoad, TravelUse, VibrationTotal, WeightedAcceleration};
 pub use road_analytic::{AnalyticSamples, RoadAnalyticOutcome, RoadAnalyticRun, road_analytic};
 pub use road_fit::{FitOrder, FittedSpectrum, RoadFitOutcome, RoadFitRun, road_fit};
 pub use road_fit_cross::CrossError;

@@ -4,7 +4,7 @@ use super::bump_metrics::{BumpMetrics, passage_s};
 use super::{Input, Named, RespondSpec, StudyError, load_vehicle};
 use crate::linalg::C64;
 use crate::units::rad_per_s;
-use crate::vehicle::{Bump, Control, Output, RideError, Vehicle};
+use crate::vehicle::{Bump, BumpModes, Control, Output, RideError, Vehicle};
 use serde::{Deserialize, Serialize};
 
 /// Seconds after the last wheel has left the bump.
@@ -136,7 +136,9 @@ fn over_bump(
     // outputs with derivatives of the road's velocity have no response to show
     let outputs: Vec<&Output> =
         vehicle.outputs().iter().filter(|o| o.r[2].iter().all(|v| *v == 0.0)).collect();
-    let run = |c| vehicle.bump_response(&outputs, bump, spec.speed_m_s, duration_s, c).map_err(fail);
+    let modes = BumpModes::Vehicle;
+    let run =
+        |c| vehicle.bump_response_for(&outputs, bump, spec.speed_m_s, duration_s, c, modes).map_err(fail);
     let found = run(control)?;
     let peaks = found.peaks();
     let name = |i: usize| outputs[i].name.clone();

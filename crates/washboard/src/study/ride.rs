@@ -2,7 +2,7 @@
 
 use super::beyond_band::{BeyondBand, beyond, continued};
 use super::ground::{Ground, ground};
-use super::ride_metrics::{Judged, RideMetrics, check_stroke};
+use super::ride_metrics::{Judged, RideMetrics, check_stroke, long_stroke};
 use super::{Flag, Input, MetricsSection, Named, RideSpec, StudyError, load_vehicle};
 use crate::units::{hz, per_hz_from_two_sided, rad_per_s};
 use crate::vehicle::{Control, Output, Ride, Variance, Vehicle};
@@ -131,6 +131,7 @@ pub(super) fn ride_on(
     notes.extend(beyond_band.as_ref().and_then(|b| continued(b, &outputs, "")));
     let metrics = metrics.and_then(|section| {
         let stroke_m = section.stroke_m;
+        notes.extend(long_stroke(stroke_m));
         let judged = Judged { vehicle, speed_m_s, stroke_m, controlled: control.is_some() };
         RideMetrics::of(&ride, &judged)
             .map_err(|e| notes.push(Flag { name: "metrics".into(), text: format!("no metrics: {e}") }))

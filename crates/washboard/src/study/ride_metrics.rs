@@ -1,6 +1,6 @@
 //! What engineers ask of a ride: weighted accelerations, tire loads, bottoming, the work of actuators.
 
-use super::{Named, ResponseGroup, StudyError};
+use super::{Flag, Named, ResponseGroup, StudyError};
 use crate::lti::{Continuous, LtiError, StateSpace};
 use crate::metrics::{ActuatorPower, MetricsError, Weighting, exceedance, reactions};
 use crate::vehicle::{Output, Ride, RideError, Variance, Vehicle};
@@ -13,11 +13,22 @@ const KM_M: f64 = 1000.0;
 /// Peaks are told as so many standard deviations of a Gaussian signal: 0.27 % of the time is beyond.
 pub const PEAK_SIGMAS: f64 = 3.0;
 
+/// A stroke above this, m, is likely one in millimetres.
+const LONG_STROKE_M: f64 = 2.0;
+/// Where a seat may be, and its vertical acceleration.
+const SEATS: [(&str, &str); 2] =
+    [("driver", "driver_heave_acceleration"), ("centre_of_gravity", "heave_acceleration")];
+/// k of a seat's rotations, m/rad: ISO 2631-1, 8.2.2.1.
+const SEAT_TURNS: [(&str, f64); 2] = [("pitch_acceleration", 0.4), ("roll_acceleration", 0.63)];
+
 /// Metrics of a vehicle on a road at a speed, passive or with a controller. What is infinite on this road is left out.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct RideMetrics {
     /// Frequency-weighted accelerations of the body, by output.
     pub weighted: Named<WeightedAcceleration>,
+    /// The seat's of several axes together; none of a vehicle that does not turn.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub vibration_total: Option<VibrationTotal>,
     /// Dynamic tire forces over static ones, by output; empty of a vehicle whose weight is not known.
     #[serde(default, skip_serializing_if = "Named::is_empty")]
     pub tire_load: Named<TireLoad>,
@@ -41,9 +52,22 @@ pub struct WeightedAcceleration {
     pub rms: f64,
     /// Its unit.
     pub unit: String,
-    /// Annex C's words for a vertical one (informative): where two hold, both.
+    /// Annex C's words for a vertical one at the driver, the centre of gravity or the one mass that there is (informative): where two hold, both.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub reactions: Vec<String>,
+}
+
+/// The vibration total value a_v = √(Σ k²a_w²) of a seat, by those axes that a vehicle has: z and rotations, without x, y, seat-back and feet.
+///
+/// Source: ISO 2631-1:1997, eq. (10), with the factors k of 8.2.2.1.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct VibrationTotal {
+    /// a_v, m/s².
+    pub rms: f64,
+    /// Where the seat is: `driver` or `centre_of_gravity`.
+    pub at: String,
+    /// Accelerations that it is made of.
+    pub of: Vec<String>,
 }
 
 /// A tire's dynamic load.
@@ -126,11 +150,21 @@ pub(super) fn check_stroke(field: &'static str, stroke_m: Option<f64>) -> Result
     }
 }
 
+/// A note of a stroke that no suspension has.
+pub(super) fn long_stroke(stroke_m: Option<f64>) -> Option<Flag> {
+    let stroke = stroke_m.filter(|s| *s > LONG_STROKE_M)?;
+    let text =
+        format!("a stroke of {stroke} m is asked for, to either side: metres are meant, not millimetres");
+    Some(Flag { name: "stroke".into(), text })
+}
+
 impl RideMetrics {
     /// Of a ride; the bump is another matter.
     pub(super) fn of(ride: &Ride<'_>, judged: &Judged<'_>) -> Result<Self, RideMetricsError> {
+        let weighted = weighted(ride, judged.vehicle)?;
         Ok(RideMetrics {
-            weighted: weighted(ride, judged.vehicle)?,
+            vibration_total: vibration_total(&weighted),
+            weighted,
             tire_load: tire_load(ride, judged.vehicle)?,
             travel: travel(ride, judged)?,
             actuator: if judged.controlled { actuators(ride, judged.vehicle)? } else { Named::default() },
@@ -155,12 +189,25 @@ fn weighted(ride: &Ride<'_>, vehicle: &Vehicle) -> Result<Named<WeightedAccelera
     let each = outputs.iter().zip(&weightings).zip(variances);
     let one = |((o, w), v): ((&&Output, &Weighting), Variance)| {
         let rms = v.rms()?;
-        let words = if *w == Weighting::Wk { reactions(rms) } else { vec![] };
+        // of a wheel's corner there is no seat
+        let seat = *w == Weighting::Wk && o.base == o.name;
+        let words = if seat { reactions(rms) } else { vec![] };
         let reactions = words.into_iter().map(str::to_owned).collect();
         let found = WeightedAcceleration { weighting: w.name().into(), rms, unit: o.unit.into(), reactions };
         Some((o.name.clone(), found))
     };
     Ok(each.filter_map(one).collect())
+}
+
+/// Of the driver's seat where there is one, else of the centre of gravity.
+fn vibration_total(weighted: &Named<WeightedAcceleration>) -> Option<VibrationTotal> {
+    let (at, vertical) = SEATS.into_iter().find(|(_, name)| weighted.get(name).is_some())?;
+    let axes = std::iter::once((vertical, 1.0)).chain(SEAT_TURNS);
+    let found: Vec<(&str, f64)> =
+        axes.filter_map(|(name, k)| Some((name, k * weighted.get(name)?.rms))).collect();
+    let rms = found.iter().map(|(_, v)| v * v).sum::<f64>().sqrt();
+    let of: Vec<String> = found.into_iter().map(|(name, _)| name.to_owned()).collect();
+    (of.len() > 1).then(|| VibrationTotal { rms, at: at.into(), of })
 }
 
 /// Dynamic over static force of every tire that has both.

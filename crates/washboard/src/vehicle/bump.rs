@@ -9,6 +9,8 @@ use thiserror::Error;
 
 /// Steps over the shorter of the bump and the fastest mode's period.
 const STEPS: f64 = 400.0;
+/// A response whose peak is below this share of the largest one in the same unit has cancelled but for rounding: the roll of a symmetric car.
+const CANCELLED: f64 = 1e-9;
 /// Samples of a response, at most.
 const MOST_SAMPLES: usize = 400_000;
 
@@ -64,15 +66,18 @@ pub enum BumpError {
     /// The controller does not fit.
     #[error(transparent)]
     Control(#[from] ControlError),
-    /// A bump so short that its response needs more samples than are computed.
+    /// A response that needs more samples than are computed.
     #[error(
-        "bump length, m: expected at least {least_m:.2e} at this speed and for this vehicle's fastest mode, found {length_m:e}"
+        "the response needs {samples:.2e} samples, more than {MOST_SAMPLES:e}: {STEPS} of them over the bump ({bump_s:.2e} s) and over a period of the \
+         fastest mode ({fastest_rad_s:.2e} rad/s)"
     )]
-    TooShort {
-        /// Its length, m.
-        length_m: f64,
-        /// The least, m.
-        least_m: f64,
+    TooManySamples {
+        /// How many.
+        samples: f64,
+        /// How long a wheel is on the bump, s.
+        bump_s: f64,
+        /// The fastest pole that has samples of its own.
+        fastest_rad_s: f64,
     },
     /// The loop is not stable.
     #[error("the response grows without end: a pole is at {re:e} {im:+e}i 1/s")]
@@ -154,25 +159,22 @@ impl Vehicle {
             _ => poles,
         };
         let fastest = seen.iter().map(|p| p.norm()).fold(1.0, f64::max);
-        let wanted = (bump.length_m / speed_m_s).min(TAU / fastest) / STEPS;
-        let dt_s = wanted;
-        if duration_s / dt_s > MOST_SAMPLES as f64 {
-            return Err(BumpError::TooShort {
-                length_m: bump.length_m,
-                least_m: duration_s / MOST_SAMPLES as f64 * STEPS * speed_m_s,
-            });
+        let bump_s = bump.length_m / speed_m_s;
+        let dt_s = bump_s.min(TAU / fastest) / STEPS;
+        let samples = duration_s / dt_s;
+        if samples > MOST_SAMPLES as f64 {
+            return Err(BumpError::TooManySamples { samples, bump_s, fastest_rad_s: fastest });
         }
-        let samples = (duration_s / dt_s).ceil() as usize + 1;
+        let samples = samples.ceil() as usize + 1;
         let ahead = self.wheels().iter().map(|w| w.at_m[0]).fold(f64::NEG_INFINITY, f64::max);
         let touched: Vec<f64> = self.wheels().iter().map(|w| (ahead - w.at_m[0]) / speed_m_s).collect();
         let rows: Vec<Vec<f64>> = (0..samples)
             .map(|k| touched.iter().map(|t| bump.velocity(dt_s * k as f64 - t, speed_m_s)).collect())
             .collect();
         let y = closed.respond(&rows, dt_s, Hold::First).map_err(lti)?;
-        Ok(BumpResponse {
-            time_s: (0..samples).map(|k| dt_s * k as f64).collect(),
-            outputs: (0..outputs.len()).map(|i| y.iter().map(|row| row[i]).collect()).collect(),
-        })
+        let mut series = (0..outputs.len()).map(|i| y.iter().map(|row| row[i]).collect()).collect::<Vec<_>>();
+        clear_cancelled(outputs, &mut series);
+        Ok(BumpResponse { time_s: (0..samples).map(|k| dt_s * k as f64).collect(), outputs: series })
     }
 
     /// From the road's velocity under every wheel, each by itself, to outputs; stable.
@@ -210,13 +212,24 @@ impl Vehicle {
     }
 }
 
+/// Zeros for responses that have cancelled.
+pub(super) fn clear_cancelled(outputs: &[&Output], series: &mut [Vec<f64>]) {
+    let peaks: Vec<f64> = series.iter().map(|y| y.iter().fold(0.0, |m, v| v.abs().max(m))).collect();
+    for (i, y) in series.iter_mut().enumerate() {
+        let alike = outputs.iter().zip(&peaks).filter(|(o, _)| o.unit == outputs[i].unit);
+        if peaks[i] <= CANCELLED * alike.map(|(_, peak)| *peak).fold(0.0, f64::max) {
+            y.fill(0.0);
+        }
+    }
+}
+
 impl BumpResponse {
-    /// The largest magnitude of each output, and when.
+    /// The largest magnitude of each output, and when; of one that stands still both are 0.
     #[must_use]
     pub fn peaks(&self) -> Vec<(f64, f64)> {
         let peak = |y: &Vec<f64>| {
             let best = y.iter().zip(&self.time_s).max_by(|a, b| a.0.abs().total_cmp(&b.0.abs()));
-            best.map_or((0.0, 0.0), |(y, t)| (y.abs(), *t))
+            best.filter(|(y, _)| **y != 0.0).map_or((0.0, 0.0), |(y, t)| (y.abs(), *t))
         };
         self.outputs.iter().map(peak).collect()
     }
@@ -272,5 +285,20 @@ mod tests {
         assert!((lag - 0.2).abs() < 2e-3, "{lag}");
         assert!(Bump::new(0.0, 1.0).is_err() && Bump::new(0.1, -1.0).is_err());
         assert!(car.bump_response(&z, bump, 0.0, 1.0, None).is_err());
+    }
+
+    #[test]
+    fn what_a_symmetric_car_cancels_is_zero() {
+        let car = cases::vehicle("chalasani-full-car").unwrap();
+        let z = ["roll_acceleration", "pitch_acceleration", "roll_displacement", "pitch_displacement"];
+        let z = z.map(|n| car.output(n).unwrap());
+        let found = car.bump_response(&z, Bump::new(0.1, 2.0).unwrap(), 20.0, 2.0, None).unwrap();
+        for (cancelled, moves) in [(0, 1), (2, 3)] {
+            assert!(found.outputs[cancelled].iter().all(|v| *v == 0.0));
+            assert!(found.peaks()[moves].0 > 1e-3 && found.peaks()[cancelled] == (0.0, 0.0));
+        }
+        // alone there is nothing that it is small beside
+        let alone = car.bump_response(&z[..1], Bump::new(0.1, 2.0).unwrap(), 20.0, 2.0, None).unwrap();
+        assert!(alone.peaks()[0].0 < 1e-9);
     }
 }

@@ -80,7 +80,7 @@ impl Driven {
         let velocity = filter.of == Shapes::Velocity;
         // Height: x = [q, q̇, x_f]. Velocity: q̃ = q − T r replaces q, and only ṙ enters; T = K⁻¹K_w is where the
         // vehicle rests on a road that stands still.
-        let t = if velocity { solve(system.k(), vehicle.wheel_stiffness())? } else { Mat::zeros(n, w) };
+        let t = if velocity { vehicle.resting()? } else { Mat::zeros(n, w) };
         let size = 2 * n + nf;
         // r (height) or ṙ (velocity) is C x + D ξ; of a height filter ṙ = CA x + CB ξ (+ D ξ̇), r̈ = CA² x + CAB ξ (+ CB ξ̇ + D ξ̈)
         let own = (filter.c.clone(), filter.d.clone());

@@ -1,6 +1,6 @@
 //! A stretch of random road under a vehicle, in time: exact for a road that is straight from one sample to the next.
 
-use super::bump::{BumpError, OwnRoads};
+use super::bump::{BumpError, OwnRoads, clear_cancelled};
 use super::driven::sources;
 use super::{Control, Output, Vehicle};
 use crate::lti::Hold;
@@ -59,7 +59,10 @@ impl Vehicle {
             .respond(&rows, run.dt_s, Hold::Zero)
             .map_err(|e| BumpError::Plant(super::PlantError::Lti(e)))?;
         let first = (RUN_IN_S / run.dt_s).ceil() as usize;
-        Ok((0..outputs.len()).map(|i| y.iter().skip(first).map(|row| row[i]).collect()).collect())
+        let mut series: Vec<Vec<f64>> =
+            (0..outputs.len()).map(|i| y.iter().skip(first).map(|row| row[i]).collect()).collect();
+        clear_cancelled(outputs, &mut series);
+        Ok(series)
     }
 
     /// Heights under the wheels at the samples, the run-in with them.

@@ -16,7 +16,7 @@ impl Vehicle {
         let (mk, mc) = (over_m(self.system().k())?, over_m(self.system().c())?);
         let (mcw, mbu) =
             (over_m(self.wheel_damping())?, over_m(&self.actuator_columns(&(0..m).collect::<Vec<_>>()))?);
-        let t = solve(self.system().k(), self.wheel_stiffness())?;
+        let t = self.resting()?;
         // outputs' dependence on heights that stand still, and an orthonormal basis of it
         let p = outputs.len();
         let mut heights = Mat::zeros(p, w);

@@ -124,3 +124,22 @@ fn what_cannot_be_a_plant_is_said() {
         ["road"]
     );
 }
+
+#[test]
+fn tires_follow_no_height_whatever_the_levers_are() {
+    // 1.5 and 2.5 m come out round in K⁻¹K_w, 5 % less does not: no state for a height that rounding alone shows
+    let road = cases::road("turkay-white-velocity").unwrap();
+    let mut orders = Vec::new();
+    for share in [1.0, 0.95, 0.87, 1.05] {
+        let fields = [
+            ("front_axle_m".to_owned(), 1.5 * share),
+            ("front.suspension_stiffness_n_per_m".to_owned(), 16e3 * share),
+        ];
+        let car = cases::spec("turkay-half-car").with_overrides(&fields).unwrap().build_alone().unwrap();
+        let z = names(&car, &["tire_deflection_front", "tire_deflection_rear", "suspension_travel_rear"]);
+        orders.push(car.plant(&z, &[], &on(&road, Disturbance::RoadVelocity)).unwrap().order());
+        let found = Ride::new(&car, &road, 20.0).unwrap().variances(&z).unwrap();
+        assert!(found.iter().all(|v| v.rms().is_some()), "{share}: {found:?}");
+    }
+    assert!(orders.iter().all(|n| *n == orders[0]), "{orders:?}");
+}
