@@ -4,6 +4,7 @@ use super::{Control, ControlError, Disturbance, Output, PlantError, PlantSetting
 use crate::linalg::{C64, Mat};
 use crate::lti::{Continuous, Hold, StateSpace};
 use crate::road::{Coherence, Road, Spectrum};
+use crate::units::plain;
 use std::f64::consts::{PI, TAU};
 use thiserror::Error;
 
@@ -66,7 +67,8 @@ pub enum BumpError {
     Control(#[from] ControlError),
     /// A bump so short that its response needs more samples than are computed.
     #[error(
-        "bump length, m: expected at least {least_m:.2e} at this speed and for this vehicle's fastest mode, found {length_m:e}"
+        "bump length, m: expected at least {least_m:.2e} at this speed and for this vehicle's fastest mode, found {}",
+        plain(*length_m)
     )]
     TooShort {
         /// Its length, m.
