@@ -168,14 +168,8 @@ fn metrics(o: &DesignOutcome) -> String {
             rows.row([r.group.heading().to_owned()]);
             group = Some(r.group);
         }
-        let show = |v: Option<f64>| v.map(number).unwrap_or_default();
-        let cells = [
-            format!("  {}", r.what),
-            r.unit.clone(),
-            show(r.values[0]),
-            show(r.values[1]),
-            share(r.change()),
-        ];
+        let show = |side: usize| r.values[side].map_or_else(|| r.infinite(side).to_owned(), number);
+        let cells = [format!("  {}", r.what), r.unit.clone(), show(0), show(1), share(r.change())];
         rows.row(cells.into_iter().take(columns(o, "").len()));
     }
     if group.is_some() { rows.text() } else { String::new() }

@@ -91,8 +91,9 @@ fn table(outcome: &RideOutcome) -> String {
 fn metrics(outcome: &RideOutcome) -> String {
     let mut table = Table::new(&["<metrics", "<unit", "value", "<reaction"]);
     for r in outcome.metric_rows() {
+        let value = r.values[0].map_or_else(|| r.infinite(0).to_owned(), number);
         let [words, _] = r.words;
-        table.row([r.what, r.unit, r.values[0].map(number).unwrap_or_default(), words]);
+        table.row([r.what, r.unit, value, words]);
     }
     if table.is_empty() { String::new() } else { format!("\n{}", table.text()) }
 }

@@ -1,9 +1,12 @@
 //! Metrics as rows of a table: passive, closed and the change, by what they say of a car.
 
-use super::{DesignMetrics, Named, RideMetrics, TravelUse};
+use super::{DesignMetrics, Named, ResponseGroup, RideMetrics, TravelUse};
 
 /// Places at the end of names, longest first.
 const PLACES: [&str; 6] = ["front_left", "front_right", "rear_left", "rear_right", "front", "rear"];
+
+/// In words, of what is infinite.
+const INFINITE: &str = "infinite on this road";
 
 /// What a metric says of a car.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -56,11 +59,17 @@ pub struct MetricRow {
     pub unit: String,
     /// Passive, closed.
     pub values: [Option<f64>; 2],
-    /// The standard's words for them.
+    /// The standard's words for them, or that they are infinite.
     pub words: [String; 2],
 }
 
 impl MetricRow {
+    /// The word for a value that is missing as it is infinite on this road; nothing else.
+    #[must_use]
+    pub fn infinite(&self, side: usize) -> &'static str {
+        if self.words.get(side).is_some_and(|w| w == INFINITE) { "infinite" } else { "" }
+    }
+
     /// The loop's over the passive one, less 1.
     #[must_use]
     pub fn change(&self) -> Option<f64> {
@@ -97,6 +106,13 @@ fn used(m: &RideMetrics, number: fn(&TravelUse) -> Option<f64>) -> Named<f64> {
     pick(&m.travel, number)
 }
 
+/// What is infinite on the road is worse than what is not.
+fn beside_infinite(m: &RideMetrics, group: ResponseGroup, finite: Named<f64>) -> Named<f64> {
+    let own = m.infinite.iter().filter(|(name, _)| ResponseGroup::of(name) == group);
+    let own = own.map(|(name, _)| (name.to_owned(), f64::INFINITY));
+    finite.iter().map(|(name, v)| (name.to_owned(), *v)).chain(own).collect()
+}
+
 const fn quantity(
     group: MetricGroup,
     [key, what, unit]: [&'static str; 3],
@@ -108,10 +124,10 @@ const fn quantity(
 
 const QUANTITIES: [Quantity; 13] = [
     quantity(MetricGroup::Comfort, ["weighted", "weighted", ""], Whole::Worst, |m| {
-        pick(&m.weighted, |w| Some(w.rms))
+        beside_infinite(m, ResponseGroup::Comfort, pick(&m.weighted, |w| Some(w.rms)))
     }),
     quantity(MetricGroup::RattleSpace, ["three_sigma", "3σ of", "m"], Whole::Worst, |m| {
-        used(m, |t| Some(t.three_sigma_m))
+        beside_infinite(m, ResponseGroup::RattleSpace, used(m, |t| Some(t.three_sigma_m)))
     }),
     quantity(
         MetricGroup::RattleSpace,
@@ -129,7 +145,7 @@ const QUANTITIES: [Quantity; 13] = [
         MetricGroup::TireLoad,
         ["load_coefficient", "dynamic load coefficient,", ""],
         Whole::Worst,
-        |m| pick(&m.tire_load, |t| Some(t.coefficient)),
+        |m| beside_infinite(m, ResponseGroup::TireLoad, pick(&m.tire_load, |t| Some(t.coefficient))),
     ),
     quantity(MetricGroup::Actuator, ["force_rms", "rms force,", "N"], Whole::Worst, |m| {
         pick(&m.actuator, |a| Some(a.force_rms_n))
@@ -233,7 +249,15 @@ impl DesignMetrics {
                     }
                 }
             }
-            own.iter_mut().for_each(|r| r.values = r.values.map(|v| v.filter(|v| v.is_finite())));
+            for row in &mut own {
+                for (value, words) in row.values.iter_mut().zip(&mut row.words) {
+                    // over a bump what has not settled is another matter
+                    if *value == Some(f64::INFINITY) && row.group != MetricGroup::Bump {
+                        *words = INFINITE.to_owned();
+                    }
+                    *value = value.filter(|v| v.is_finite());
+                }
+            }
             rows.extend(own);
         }
         rows
@@ -276,7 +300,7 @@ impl super::DesignOutcome {
         };
         format!(
             "weighted accelerations are rms behind W_k (vertical) and W_e (rotational) as a rigid seat on the body has them, words are ISO 2631-1 annex C's \
-             (informative, for public transport); {stroke}{loads}; the bump is {} m high and {} m long (5.21), settling is to 5 % of the peak; signals are \
+             (informative, for public transport); {stroke}{loads}; the bump is {} m high and {} m long (equation (5.21) of Türkay's thesis), settling is to 5 % of the peak; signals are \
              taken to be Gaussian, power that an actuator gives is positive",
             m.bump.height_m, m.bump.length_m
         )
@@ -286,7 +310,7 @@ impl super::DesignOutcome {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::study::{ActuatorUse, RideOutcome, RideSpec, ride};
+    use crate::study::{ActuatorUse, RideOutcome, RideSpec, TireLoad, ride};
 
     fn full_car() -> RideOutcome {
         let spec = RideSpec {
@@ -316,6 +340,32 @@ mod tests {
         // the worst corner's words, not the last one's
         let corner = find("weighted_body_acceleration");
         assert_eq!(corner.words[0], crate::metrics::reactions(corner.values[0].unwrap()).join(", "));
+    }
+
+    #[test]
+    fn a_worst_wheel_that_is_infinite_is_the_worst() {
+        let load = |coefficient| TireLoad { static_n: 1.0, rms_n: coefficient, coefficient };
+        let rows = |infinite: &[&str]| {
+            let mut m = RideMetrics::default();
+            m.tire_load.insert("tire_force_rear", load(0.2));
+            infinite.iter().for_each(|name| m.infinite.insert(*name, "it wanders off".into()));
+            let one = DesignMetrics {
+                stroke_m: None,
+                bump: super::super::BumpSpec::default(),
+                passive: Some(m),
+                closed: None,
+            };
+            one.short_rows(&Named::default())
+        };
+        let row = &rows(&["tire_force_front"])[0];
+        assert_eq!(
+            (row.what.as_str(), row.values[0]),
+            ("dynamic load coefficient, tire_force (worst)", None)
+        );
+        assert_eq!(row.words[0], "infinite on this road");
+        assert_eq!(rows(&["suspension_travel_front"]).len(), 2);
+        let row = &rows(&[])[0];
+        assert_eq!((row.values[0], row.words[0].as_str()), (Some(0.2), ""));
     }
 
     #[test]

@@ -3,6 +3,7 @@
 use super::{Named, ResponseGroup, StudyError};
 use crate::lti::{Continuous, LtiError, StateSpace};
 use crate::metrics::{ActuatorPower, MetricsError, Weighting, exceedance, reactions};
+use crate::units::plain;
 use crate::vehicle::{Output, Ride, RideError, Variance, Vehicle};
 use serde::{Deserialize, Serialize};
 
@@ -13,7 +14,7 @@ const KM_M: f64 = 1000.0;
 /// Peaks are told as so many standard deviations of a Gaussian signal: 0.27 % of the time is beyond.
 pub const PEAK_SIGMAS: f64 = 3.0;
 
-/// Metrics of a vehicle on a road at a speed, passive or with a controller. What is infinite on this road is left out.
+/// Metrics of a vehicle on a road at a speed, passive or with a controller. What is infinite on this road is in `infinite` alone.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct RideMetrics {
     /// Frequency-weighted accelerations of the body, by output.
@@ -30,6 +31,9 @@ pub struct RideMetrics {
     /// Over a bump.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub bump: Option<super::BumpMetrics>,
+    /// Outputs whose metrics are infinite on this road, and why.
+    #[serde(default, skip_serializing_if = "Named::is_empty")]
+    pub infinite: Named<String>,
 }
 
 /// A weighted rms of ISO 2631-1.
@@ -121,7 +125,7 @@ pub(super) fn check_stroke(field: &'static str, stroke_m: Option<f64>) -> Result
         Some(s) => Err(StudyError::Setting {
             field,
             expected: "a stroke to either side of where the suspension rests, 1e-6 to 100 m".into(),
-            found: format!("{s:e}"),
+            found: plain(s),
         }),
     }
 }
@@ -129,18 +133,32 @@ pub(super) fn check_stroke(field: &'static str, stroke_m: Option<f64>) -> Result
 impl RideMetrics {
     /// Of a ride; the bump is another matter.
     pub(super) fn of(ride: &Ride<'_>, judged: &Judged<'_>) -> Result<Self, RideMetricsError> {
+        let mut infinite = Named::default();
         Ok(RideMetrics {
-            weighted: weighted(ride, judged.vehicle)?,
-            tire_load: tire_load(ride, judged.vehicle)?,
-            travel: travel(ride, judged)?,
+            weighted: weighted(ride, judged.vehicle, &mut infinite)?,
+            tire_load: tire_load(ride, judged.vehicle, &mut infinite)?,
+            travel: travel(ride, judged, &mut infinite)?,
             actuator: if judged.controlled { actuators(ride, judged.vehicle)? } else { Named::default() },
             bump: None,
+            infinite,
         })
     }
 }
 
+/// The rms of an output; why it is infinite goes to the list of those.
+fn finite(variance: Variance, output: &Output, infinite: &mut Named<String>) -> Option<f64> {
+    if let Variance::Infinite(why) = variance {
+        infinite.insert(&output.name, why.to_owned());
+    }
+    variance.rms()
+}
+
 /// W_k of every vertical acceleration of the body, W_e of pitch and roll.
-fn weighted(ride: &Ride<'_>, vehicle: &Vehicle) -> Result<Named<WeightedAcceleration>, RideMetricsError> {
+fn weighted(
+    ride: &Ride<'_>,
+    vehicle: &Vehicle,
+    infinite: &mut Named<String>,
+) -> Result<Named<WeightedAcceleration>, RideMetricsError> {
     let weighting = |o: &Output| match o.unit {
         _ if ResponseGroup::of(&o.name) != ResponseGroup::Comfort || o.name.starts_with("chassis") => None,
         "m/s²" => Some(Weighting::Wk),
@@ -154,7 +172,7 @@ fn weighted(ride: &Ride<'_>, vehicle: &Vehicle) -> Result<Named<WeightedAccelera
     let variances = ride.filtered_variances(&outputs, &behind)?;
     let each = outputs.iter().zip(&weightings).zip(variances);
     let one = |((o, w), v): ((&&Output, &Weighting), Variance)| {
-        let rms = v.rms()?;
+        let rms = finite(v, o, infinite)?;
         let words = if *w == Weighting::Wk { reactions(rms) } else { vec![] };
         let reactions = words.into_iter().map(str::to_owned).collect();
         let found = WeightedAcceleration { weighting: w.name().into(), rms, unit: o.unit.into(), reactions };
@@ -164,7 +182,11 @@ fn weighted(ride: &Ride<'_>, vehicle: &Vehicle) -> Result<Named<WeightedAccelera
 }
 
 /// Dynamic over static force of every tire that has both.
-fn tire_load(ride: &Ride<'_>, vehicle: &Vehicle) -> Result<Named<TireLoad>, RideMetricsError> {
+fn tire_load(
+    ride: &Ride<'_>,
+    vehicle: &Vehicle,
+    infinite: &mut Named<String>,
+) -> Result<Named<TireLoad>, RideMetricsError> {
     let forces: Vec<&Output> = vehicle.outputs().iter().filter(|o| o.base == "tire_force").collect();
     // without forces, or a stiffness that holds the vehicle, there is no static load
     let Some(rest) = (!forces.is_empty()).then(|| vehicle.at_rest(&forces).ok()).flatten() else {
@@ -173,14 +195,18 @@ fn tire_load(ride: &Ride<'_>, vehicle: &Vehicle) -> Result<Named<TireLoad>, Ride
     let variances = ride.variances(&forces)?;
     let one = |((o, rest), v): ((&&Output, f64), Variance)| {
         // force on the wheel counts upwards as the deflection that makes it: a load is negative
-        let (static_n, rms_n) = (-rest, v.rms()?);
+        let (static_n, rms_n) = (-rest, finite(v, o, infinite)?);
         let load = TireLoad { static_n, rms_n, coefficient: rms_n / static_n };
         (static_n > 0.0).then(|| (o.name.clone(), load))
     };
     Ok(forces.iter().zip(rest).zip(variances).filter_map(one).collect())
 }
 
-fn travel(ride: &Ride<'_>, judged: &Judged<'_>) -> Result<Named<TravelUse>, RideMetricsError> {
+fn travel(
+    ride: &Ride<'_>,
+    judged: &Judged<'_>,
+    infinite: &mut Named<String>,
+) -> Result<Named<TravelUse>, RideMetricsError> {
     let travels = judged
         .vehicle
         .outputs()
@@ -193,7 +219,7 @@ fn travel(ride: &Ride<'_>, judged: &Judged<'_>) -> Result<Named<TravelUse>, Ride
     let variances = ride.variances(&both)?;
     let mut found = Named::default();
     for (i, (output, _)) in travels.iter().enumerate() {
-        let Some(rms_m) = variances[i].rms() else { continue };
+        let Some(rms_m) = finite(variances[i], output, infinite) else { continue };
         let mut used = TravelUse {
             rms_m,
             three_sigma_m: PEAK_SIGMAS * rms_m,
