@@ -82,7 +82,7 @@ fn table(outcome: &RideOutcome) -> String {
             }
         }
     }
-    let notes = reasons.iter().map(|(why, of)| format!("infinite: {}: {why}\n", of.join(", ")));
+    let notes = reasons.iter().map(|(why, of)| wrapped(&format!("infinite: {}: {why}", of.join(", "))));
     let said = outcome.notes.iter().map(|n| wrapped(&format!("note: {}", n.text)));
     table.text() + &notes.chain(said).collect::<String>() + &metrics(outcome)
 }

@@ -201,7 +201,7 @@ mod tests {
     #[test]
     fn every_row_says_whether_it_agrees_and_what_excuses_it() {
         let page = reproduce_page(&outcome());
-        assert!(page.contains("1 of 3 published numbers agree") && page.contains("class=\"verdict failed\""));
+        assert!(page.contains("1 of 3 computed numbers agree") && page.contains("class=\"verdict failed\""));
         assert!(page.contains("<a href=\"#E0.1\">erratum E0.1</a>") && page.contains("<h3 id=\"E0.1\">"));
         assert!(page.contains("−0.1234568") && page.contains("&lt;b&gt;") && !page.contains("<b>"));
         assert!(page.contains("\"role\":\"line\"") && page.contains("thesis.fig-0.2"));

@@ -4,7 +4,7 @@ use super::design_problem::Problem;
 use super::design_words::short;
 use super::{DesignDisturbance, DesignMethod, DesignSpec, Flag, StudyError};
 use crate::linalg::{C64, eigen};
-use crate::lti::GeneralizedPlant;
+use crate::lti::{Continuous, GeneralizedPlant, StateSpace};
 use crate::vehicle::{Output, PlantSettings, Vehicle, VehicleSpec};
 use std::fmt;
 
@@ -15,7 +15,14 @@ pub(super) fn shown(output: &Output) -> bool {
 
 /// Whether the response has no mode on the axis.
 pub(super) fn settles(plant: &GeneralizedPlant) -> bool {
-    plant.passive().minimal(1e-10).is_ok_and(|g| g.is_stable().unwrap_or(false))
+    plant.passive().minimal(1e-10).is_ok_and(|g| decays(&g))
+}
+
+/// Whether all poles are left of the axis by more than rounding: a height's own pole at 0 is computed as ±1e-15, on either side.
+pub(super) fn decays(g: &StateSpace<Continuous>) -> bool {
+    let Ok(poles) = g.poles() else { return false };
+    let largest = poles.iter().map(|p| p.norm()).fold(0.0, f64::max);
+    poles.iter().all(|p| p.re < -UNDAMPED * largest)
 }
 
 /// Outputs by names, a base name meaning all of its components.
