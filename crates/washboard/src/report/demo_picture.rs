@@ -181,8 +181,11 @@ fn bars(d: &DemoDesigns) -> Html {
         if let Some(b) = bound {
             let ends = [left + group * (g as f64 + 0.02), left + group * (g as f64 + 0.98)];
             all.push(line([ends[0], y(b.bound)], [ends[1], y(b.bound)], BOUND, "7 3"));
-            let words = format!("bound {} %", fixed(100.0 * b.bound, 0));
-            all.push(text([ends[1], y(b.bound) - 16.0], "end", "11", BOUND, &words));
+            // once, above the bars' numbers
+            if g + 1 == SHOWN.len() {
+                let words = format!("bound {} %", fixed(100.0 * b.bound, 0));
+                all.push(text([ends[1], top - 4.0], "end", "11", BOUND, &words));
+            }
         }
     }
     all
