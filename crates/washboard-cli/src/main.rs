@@ -13,7 +13,7 @@ mod table_parquet;
 use clap::{Parser, Subcommand};
 use std::process::ExitCode;
 
-/// Identify a vehicle and its road from a drive, and ride on models of them.
+/// Identify a vehicle and its road from a drive, ride on models of them, and design their suspension.
 ///
 /// A VEHICLE or ROAD is a TOML file or case:NAME (`washboard cases` lists them). Exit status: 0 success; 1 it ran and the
 /// answer is no; 2 wrong input.

@@ -3,6 +3,15 @@
 /// Columns of a terminal that a sentence fills.
 const WIDTH: usize = 80;
 
+/// Between two columns.
+const GAP: usize = 2;
+
+/// A sentence in a table is not broken into narrower lines.
+const LEAST_SENTENCE: usize = 20;
+
+/// Nor are the words of its first column.
+const LEAST_NAME: usize = 30;
+
 /// Significant digits of a number in a table.
 const DIGITS: usize = 4;
 
@@ -32,26 +41,84 @@ impl Table {
         self.rows.len() == 1
     }
 
-    /// The text, with a newline after every row.
+    /// The text, with a newline after every row. Where it is wider than a terminal the names of columns are broken into lines, and then the
+    /// sentences of a last column of text.
     pub fn text(&self) -> String {
-        let width = |c: usize| {
-            self.rows.iter().filter_map(|r| r.get(c)).map(|s| s.chars().count()).max().unwrap_or(0)
-        };
-        let widths: Vec<usize> = (0..self.right.len()).map(width).collect();
-        let mut text = String::new();
-        for row in &self.rows {
-            let mut line = String::new();
-            for (c, cell) in row.iter().enumerate() {
-                let fill = " ".repeat(widths[c] - cell.chars().count());
-                let gap = if c == 0 { "" } else { "  " };
-                line +=
-                    &if self.right[c] { format!("{gap}{fill}{cell}") } else { format!("{gap}{cell}{fill}") };
+        let Some((names, rows)) = self.rows.split_first() else { return String::new() };
+        let body = |c: usize| rows.iter().filter_map(|r| r.get(c)).map(|s| letters(s)).max().unwrap_or(0);
+        let body: Vec<usize> = (0..names.len()).map(body).collect();
+        let mut widths: Vec<usize> = names.iter().zip(&body).map(|(name, b)| letters(name).max(*b)).collect();
+        let total = |widths: &[usize]| widths.iter().sum::<usize>() + GAP * widths.len().saturating_sub(1);
+        while total(&widths) > WIDTH {
+            // the widest of the names that can be narrower
+            let least = |c: usize| pieces(&names[c]).iter().map(|p| letters(p.trim_end())).max().unwrap_or(0);
+            let open = (0..names.len()).filter(|c| widths[*c] > body[*c].max(least(*c)));
+            let Some(c) = open.max_by_key(|c| widths[*c]) else { break };
+            widths[c] -= 1;
+        }
+        // then the sentences of a last column of text, and the words of the first one
+        let last = names.len().saturating_sub(1);
+        for (c, least) in [(last, LEAST_SENTENCE), (0, LEAST_NAME)] {
+            let over = total(&widths).saturating_sub(WIDTH);
+            if over > 0 && !self.right[c] && last > 0 {
+                widths[c] = widths[c].saturating_sub(over).max(least.min(widths[c]));
             }
-            text += line.trim_end();
-            text.push('\n');
+        }
+        let mut text = String::new();
+        let named = |(c, name): (usize, &String)| broken(&pieces(name), widths[c]);
+        self.lines(&names.iter().enumerate().map(named).collect::<Vec<_>>(), &widths, true, &mut text);
+        for row in rows {
+            let cells = row.iter().enumerate().map(|(c, cell)| {
+                if letters(cell) <= widths[c] { vec![cell.clone()] } else { broken(&words(cell), widths[c]) }
+            });
+            self.lines(&cells.collect::<Vec<_>>(), &widths, false, &mut text);
         }
         text
     }
+
+    /// One row of cells that may have several lines, which end together (a header) or begin together.
+    fn lines(&self, cells: &[Vec<String>], widths: &[usize], at_the_end: bool, text: &mut String) {
+        let height = cells.iter().map(Vec::len).max().unwrap_or(0);
+        for k in 0..height {
+            let mut line = String::new();
+            for (c, cell) in cells.iter().enumerate() {
+                let at = if at_the_end { (k + cell.len()).checked_sub(height) } else { Some(k) };
+                let part = at.and_then(|at| cell.get(at)).map_or("", String::as_str);
+                let fill = " ".repeat(widths[c].saturating_sub(letters(part)));
+                let gap = if c == 0 { String::new() } else { " ".repeat(GAP) };
+                line += &if self.right[c] { gap + &fill + part } else { gap + part + &fill };
+            }
+            *text += line.trim_end();
+            text.push('\n');
+        }
+    }
+}
+
+fn letters(text: &str) -> usize {
+    text.chars().count()
+}
+
+/// A name cut behind spaces, underscores and dots.
+fn pieces(name: &str) -> Vec<&str> {
+    name.split_inclusive([' ', '_', '.']).collect()
+}
+
+fn words(sentence: &str) -> Vec<&str> {
+    sentence.split_inclusive(' ').collect()
+}
+
+/// Pieces in lines of a width; a piece that is longer has a line of its own.
+fn broken(pieces: &[&str], width: usize) -> Vec<String> {
+    let mut lines = vec![String::new()];
+    for piece in pieces {
+        let last = lines.len() - 1;
+        if !lines[last].is_empty() && letters(&lines[last]) + letters(piece.trim_end()) > width {
+            lines.push((*piece).to_owned());
+        } else {
+            lines[last] += piece;
+        }
+    }
+    lines.into_iter().map(|l| l.trim_end().to_owned()).collect()
 }
 
 /// A sentence in lines that fit a terminal, the later ones set in; with a newline at its end.
@@ -142,5 +209,33 @@ mod tests {
         t.row(["heave".into(), "1.2".into()]);
         t.row(["hop".into(), "12.0".into()]);
         assert_eq!(t.text(), "mode   f/Hz\nheave   1.2\nhop    12.0\n");
+    }
+
+    #[test]
+    fn a_table_wider_than_a_terminal_has_its_names_and_sentences_broken() {
+        let name = "override.tire_damping_n_s_per_m";
+        let mut t = Table::new(&["point", name, "sprung_acceleration %", "suspension_travel %", "<why"]);
+        t.row(["0".into(), "98".into(), "-12.1".into(), "+3.0".into(), String::new()]);
+        t.row([
+            "1".into(),
+            String::new(),
+            String::new(),
+            String::new(),
+            "no controller keeps to the bounds".into(),
+        ]);
+        let text = t.text();
+        assert!(text.lines().all(|l| l.chars().count() <= WIDTH), "{text}");
+        assert!(!text.contains(name) && text.contains("no controller keeps to the bounds"), "{text}");
+        // every part of a name is there, and numbers stand under its end
+        let head: String = text.lines().take_while(|l| !l.contains("98")).collect();
+        for piece in ["override.", "damping_", "sprung_", "acceleration", "travel", "why"] {
+            assert!(head.contains(piece), "{piece}: {text}");
+        }
+        let mut long = Table::new(&["<item", "<note"]);
+        long.row(["thesis.table-4.1".into(), "word ".repeat(30).trim_end().into()]);
+        assert!(long.text().lines().all(|l| l.chars().count() <= WIDTH) && long.text().lines().count() == 4);
+        let mut narrow = Table::new(&["<a b", "c_d"]);
+        narrow.row(["1".into(), "2".into()]);
+        assert_eq!(narrow.text(), "a b  c_d\n1      2\n");
     }
 }

@@ -23,7 +23,7 @@ fn a_drive_leads_to_controllers_as_good_as_those_that_know_the_truth() {
         let runs = ["one", "two"].map(|dir| {
             both.spawn({
                 let f = &folder;
-                move || f.run(&format!("demo --seed 3 -o {dir}"))
+                move || f.run(&format!("demo -o {dir}"))
             })
         });
         runs.map(|run| run.join().unwrap())
@@ -82,6 +82,38 @@ fn a_drive_leads_to_controllers_as_good_as_those_that_know_the_truth() {
         assert!((goal(&ridden) / a - 1.0).abs() < 1e-9, "{name}: {} {a}", goal(&ridden));
     }
 
+    // README's picture is what a demo draws
+    let drawn = String::from_utf8(read("one/demo.svg")).unwrap();
+    same_picture(include_str!("../../../docs/demo.svg"), &drawn);
+
+    // what the shown controllers cost is said in words, in the page and in print
+    let story = String::from_utf8(read("one/report.html")).unwrap();
+    let printed = twice[0].1.split_whitespace().collect::<Vec<_>>().join(" ");
+    for k in 0..2 {
+        let warnings = designs["methods"][k]["on_identified"]["warnings"].as_array().unwrap();
+        assert!(!warnings.is_empty());
+        for w in warnings {
+            let (name, text) = (w["name"].as_str().unwrap(), w["text"].as_str().unwrap());
+            let words = text.split_whitespace().collect::<Vec<_>>().join(" ");
+            assert!(printed.contains(&format!("{words} ({name})")), "{name}: {printed}");
+            assert!(story.contains(&format!("<code>{name}</code>")), "{name}");
+        }
+    }
+    assert!(!story.contains("Converged, without warnings"), "the designs have some");
+    // the bound that the true car exceeds: by the delay that the design approximates, and not by what was identified
+    let bound = &designs["methods"][0]["on_identified"]["bounds"][1];
+    assert_eq!((bound["name"].as_str(), bound["bound"].as_f64()), (Some("tire_deflection"), Some(1.1)));
+    assert!(number(bound, &["kept"]) <= 1.1 * (1.0 + 1e-6), "{bound}");
+    let share = |ride: &Value| {
+        number(ride, &["rms", "tire_deflection"]) / number(&designs["passive"], &["rms", "tire_deflection"])
+    };
+    let found = share(&designs["methods"][0]["on_identified"]["ride"]);
+    assert!(
+        found > 1.105 && (found / number(bound, &["with_exact_delay"]) - 1.0).abs() < 0.005,
+        "{found} {bound}"
+    );
+    assert!(printed.contains("the approximation of the delay is what the bound misses"), "{printed}");
+
     // the page again from the result, and the result as one of an identification
     let page = read("one/report.html");
     fs::remove_file(folder.0.join("one/report.html")).unwrap();
@@ -90,6 +122,24 @@ fn a_drive_leads_to_controllers_as_good_as_those_that_know_the_truth() {
     assert_eq!(folder.run("compare one two").0, 0);
     // a demo is replaced, whole
     assert_eq!(folder.run("demo -o one").0, 2);
+}
+
+/// The same text but for numbers, which may differ by half a unit of the picture: what roundings of two machines move.
+fn same_picture(kept: &str, made: &str) {
+    let parts = |svg: &str| -> Vec<String> {
+        let cut = |c: char| !(c.is_ascii_digit() || c == '.' || c == '-');
+        svg.split_inclusive(cut).map(str::to_owned).collect()
+    };
+    let (a, b) = (parts(kept), parts(made));
+    assert_eq!(a.len(), b.len(), "docs/demo.svg is of another picture: `washboard demo` makes it");
+    for (a, b) in a.iter().zip(&b) {
+        let number = |s: &str| s.trim_end_matches(|c: char| !c.is_ascii_digit()).parse::<f64>();
+        let same = match (number(a), number(b)) {
+            (Ok(x), Ok(y)) => (x - y).abs() <= 0.5,
+            _ => a == b,
+        };
+        assert!(same, "docs/demo.svg is out of date, `washboard demo` makes it: {a} {b}");
+    }
 }
 
 #[test]

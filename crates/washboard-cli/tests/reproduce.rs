@@ -45,13 +45,15 @@ fn a_directory_has_page_figures_and_errata_and_the_page_is_made_again() {
     assert_eq!(status, 0);
     // a disagreement that is excused names its erratum, and does not fail the run
     assert!(
-        out.contains("no, E5.7") && out.contains("4 of 6 numbers agree") && out.contains("report.html"),
+        out.contains("no, E5.7")
+            && out.contains("4 of 6 computed numbers agree")
+            && out.contains("report.html"),
         "{out}"
     );
     let read = |name: &str| fs::read_to_string(folder.0.join("out").join(name)).unwrap();
     let (page, svg) = (read("report.html"), read("figures/thesis.fig-4.3.svg"));
     assert!(
-        page.contains("4 of 6 published numbers agree")
+        page.contains("4 of 6 computed numbers agree")
             && !page.contains("http://www")
             && svg.contains("passive")
     );
@@ -67,4 +69,26 @@ fn a_directory_has_page_figures_and_errata_and_the_page_is_made_again() {
     fs::write(folder.0.join("out/figures/mine.txt"), "1").unwrap();
     let (status, _, err) = folder.run(again);
     assert!(status == 2 && err.contains("mine.txt"), "{err}");
+}
+
+#[test]
+fn names_are_listed_and_what_quick_leaves_out_is_said() {
+    let folder = Folder::new("list");
+    let (status, out, err) = folder.run("reproduce --list");
+    assert_eq!((status, err.as_str()), (0, ""));
+    assert!(out.lines().any(|l| l.starts_with("thesis.ch-3 ") && l.contains(" items")), "{out}");
+    assert!(out.lines().any(|l| l.starts_with("thesis.fig-2.1 ") && l.contains(" long ")), "{out}");
+    assert!(out.lines().all(|l| l.chars().count() <= 100), "{out}");
+    let (status, out, _) = folder.run("reproduce thesis.fig-2.1 --quick");
+    assert!(status == 0 && out.contains("left out by --quick, as they take long: thesis.fig-2.1"), "{out}");
+    assert!(!out.contains("0 of 0"), "{out}");
+    // a chapter and a panel by their short names; what is read and not computed is counted apart
+    let (status, out, _) = folder.run("reproduce fig-5.5-a thesis.table-6.1 -o out");
+    assert!(status == 0 && out.contains(" inputs as printed"), "{out}");
+    assert!(out.contains("figures: thesis.fig-5.5") && !out.contains("-o DIR"), "{out}");
+    let (status, out, _) = folder.run("reproduce thesis.ch-7 --quick -o quick");
+    let errata = fs::read_to_string(folder.0.join("quick/errata.md")).unwrap();
+    assert_eq!(status, 0);
+    assert!(out.contains("left out by --quick, as they take long: errata E7"), "{out}");
+    assert!(errata.contains("**Not all of them**: left out by --quick"), "{errata}");
 }

@@ -71,7 +71,9 @@ const plots = (() => {
       drawAxes: [(u) => { overlay.modes(u, plot); overlay.limits(u, plot); }],
       drawSeries: [(u, i) => { if (signed(i)) overlay.points(u, plot.series, i - 1, signed(i)); }],
     };
-    if (told) hooks.setCursor = [overlay.teller(plot)];
+    // before a value is pointed at, the legend has none
+    hooks.setCursor = [(u) => u.root.classList.toggle("idle", u.cursor.idx == null)];
+    if (told) hooks.setCursor.push(overlay.teller(plot));
     const bands = plot.series.flatMap((s, i) => isLow(plot.series[i + 1] || s) && !isLow(s)
       ? [{ series: [i + 1, i + 2], fill: styles[s.role].fill }] : []);
     const u = new uPlot({
@@ -84,11 +86,14 @@ const plots = (() => {
       legend: { live: !told },
       cursor: { drag: { x: true, y: false }, points: { size: 6, show: !told }, ...(plot.group ? { sync: { key: plot.group } } : {}) },
     }, [plot.x, ...plot.series.map((s) => s.y)], place);
+    u.root.classList.add("idle");
     // an interval's ends are no curves of their own; a sign stands for itself
     const rows = [...u.root.querySelectorAll(".u-legend .u-series")], first = rows.length - plot.series.length;
     plot.series.forEach((s, k) => {
       const row = rows[first + k];
       if (isEnd(s)) row.hidden = true;
+      const dash = series(s).dash, marker = row.querySelector(".u-marker");
+      if (dash && marker) marker.classList.add(dash[0] < 4 ? "dotted" : "dashed");
       if (!signed(k + 1)) return;
       row.classList.add("signed");
       row.querySelector("th").style.color = overlay.signOf(s.sign || 0).color;

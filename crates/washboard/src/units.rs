@@ -9,6 +9,16 @@
 use serde::{Deserialize, Serialize};
 use std::f64::consts::{PI, TAU};
 
+/// A number as people write it: with an exponent only where it would be zeros otherwise.
+#[must_use]
+pub fn plain(value: f64) -> String {
+    if value == 0.0 || !value.is_finite() || (1e-6..1e7).contains(&value.abs()) {
+        (value + 0.0).to_string()
+    } else {
+        format!("{value:e}")
+    }
+}
+
 /// ω in rad/s of a frequency in Hz.
 #[must_use]
 pub fn rad_per_s(freq_hz: f64) -> f64 {
@@ -89,6 +99,15 @@ impl Convention {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn numbers_are_written_without_exponents_where_people_do() {
+        let cases =
+            [(0.0, "0"), (-0.0, "0"), (-1.0, "-1"), (0.05, "0.05"), (1e-8, "1e-8"), (-2.5e9, "-2.5e9")];
+        for (value, text) in cases.into_iter().chain([(f64::INFINITY, "inf"), (123_456.5, "123456.5")]) {
+            assert_eq!(plain(value), text);
+        }
+    }
 
     /// Variance of a band [a, b] in rad/m of G = 1/ν², from each convention's own definition of variance.
     #[test]

@@ -66,9 +66,8 @@ fn table(o: &DemoOutcome) -> String {
     let f = &d.filter;
     let _ = writeln!(
         text,
-        "\nfilter     order {}, {} states; log10 error {} rms, {} at most, from {} to {} rad/m",
-        f.order,
-        f.states,
+        "\nfilter     {}; log10 error {} rms, {} at most, from {} to {} rad/m",
+        f.order_words(),
         number(f.log10_rms_error),
         number(f.log10_max_error),
         number(f.band_rad_per_m[0]),
@@ -94,6 +93,10 @@ fn method(d: &DemoDesigns, m: &DemoMethod) -> String {
         ]);
     }
     let mut text = format!("\n{}", rows.text());
+    m.beyond_bounds(&d.passive).iter().for_each(|words| text += &wrapped(&format!("! {words}")));
+    for w in &m.on_identified.warnings {
+        text += &wrapped(&format!("! {} ({})", w.text, w.name));
+    }
     for (whose, c) in [("identified", &m.on_identified), ("true", &m.on_true)] {
         if let Some(why) = &c.why {
             text += &wrapped(&format!("! on {whose}: {why}"));

@@ -168,8 +168,9 @@ fn metrics(o: &DesignOutcome) -> String {
             rows.row([r.group.heading().to_owned()]);
             group = Some(r.group);
         }
-        let [passive, closed] = r.shown(number).map(Option::unwrap_or_default);
-        let cells = [format!("  {}", r.what), r.unit.clone(), passive, closed, share(r.change())];
+        let shown = r.shown(number);
+        let show = |side: usize| shown[side].clone().unwrap_or_else(|| r.infinite(side).to_owned());
+        let cells = [format!("  {}", r.what), r.unit.clone(), show(0), show(1), share(r.change())];
         rows.row(cells.into_iter().take(columns(o, "").len()));
     }
     if group.is_some() { rows.text() + &wrapped(&o.metrics_words()) } else { String::new() }

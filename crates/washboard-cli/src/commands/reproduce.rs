@@ -3,13 +3,15 @@
 use crate::output::{Failure, Output};
 use crate::table::{Table, wrapped};
 use clap::Args;
+use serde::Serialize;
 use std::fmt::Write;
 use std::path::PathBuf;
 use std::process::ExitCode;
 use washboard::files::{check_target_directory, write_directory};
 use washboard::report::{figure_svg, reproduce_page};
 use washboard::study::{
-    Check, Envelope, Relation, ReproduceOutcome, ReproduceSpec, errata_markdown, reproduce,
+    Check, Envelope, Listed, Relation, ReproduceOutcome, ReproduceSpec, errata_markdown, reproduce,
+    reproducible_list,
 };
 
 /// Compute published numbers again, and say which agree, which are errors of the source, and why.
@@ -21,6 +23,9 @@ pub struct Arguments {
     /// Leave out long searches and simulations.
     #[arg(long)]
     quick: bool,
+    /// List the names of sources, chapters and items, and compute nothing.
+    #[arg(long, conflicts_with_all = ["items", "quick", "output", "overwrite"])]
+    list: bool,
     /// Write result.json, report.html, errata.md and figures/*.svg here.
     #[arg(short, long, value_name = "DIR")]
     output: Option<PathBuf>,
@@ -29,8 +34,17 @@ pub struct Arguments {
     overwrite: bool,
 }
 
+#[derive(Serialize)]
+struct List {
+    list: Vec<Listed>,
+}
+
 /// Computes, writes, prints; 1 where a number neither agrees nor is excused.
 pub fn run(a: Arguments, output: Output) -> Result<ExitCode, Failure> {
+    if a.list {
+        output.print(&Envelope::new("reproduce", vec![], List { list: reproducible_list() }), list)?;
+        return Ok(ExitCode::SUCCESS);
+    }
     if let Some(dir) = &a.output {
         check_target_directory(dir, a.overwrite)?;
     }
@@ -48,18 +62,27 @@ pub fn run(a: Arguments, output: Output) -> Result<ExitCode, Failure> {
         let mut files = vec![
             ("result.json", envelope.to_json().into_bytes()),
             ("report.html", reproduce_page(o).into_bytes()),
-            ("errata.md", errata_markdown(&o.errata).into_bytes()),
+            ("errata.md", errata_markdown(&o.errata, &o.skipped_errata).into_bytes()),
         ];
         files.extend(figures.iter().map(|(name, svg)| (name.as_str(), svg.clone())));
         write_directory(dir, &files, a.overwrite)?;
     }
     let place =
         a.output.map(|dir| format!("wrote {}\n", dir.join("report.html").display())).unwrap_or_default();
-    output.print(&envelope, |o| table(o) + &place)?;
+    output.print(&envelope, |o| table(o, place.is_empty()) + &place)?;
     Ok(if envelope.outcome.counts.open == 0 { ExitCode::SUCCESS } else { ExitCode::from(1) })
 }
 
-fn table(o: &ReproduceOutcome) -> String {
+/// A line a name; what `--quick` leaves out is marked.
+fn list(all: &List) -> String {
+    let mut rows = Table::new(&["<name", "<", "<what"]);
+    for one in &all.list {
+        rows.row([one.name.clone(), if one.slow { "long".into() } else { String::new() }, one.what.clone()]);
+    }
+    rows.text() + "long: a search or a simulation that --quick leaves out\n"
+}
+
+fn table(o: &ReproduceOutcome, written_nowhere: bool) -> String {
     let mut text = String::new();
     for titled in &o.titles {
         let own: Vec<&Check> = o.items.iter().filter(|c| c.item == titled.item).collect();
@@ -79,18 +102,27 @@ fn table(o: &ReproduceOutcome) -> String {
     }
     if !o.figures.is_empty() {
         let names: Vec<&str> = o.figures.iter().map(|f| f.name.as_str()).collect();
-        text += &wrapped(&format!("figures: {} (-o DIR writes them)", names.join(", ")));
+        let how = if written_nowhere { " (-o DIR writes them)" } else { "" };
+        text += &wrapped(&format!("figures: {}{how}", names.join(", ")));
     }
-    if !o.skipped.is_empty() {
-        text += &wrapped(&format!("left out by --quick: {}", o.skipped.join(", ")));
+    let left = |what: &str, names: &[String]| {
+        if names.is_empty() {
+            return String::new();
+        }
+        wrapped(&format!("left out by --quick, as they take long: {what}{}", names.join(", ")))
+    };
+    text += &left("", &o.skipped);
+    text += &left("errata ", &o.skipped_errata);
+    if o.titles.is_empty() {
+        return text + "nothing was computed: run it again without --quick\n";
     }
     let c = &o.counts;
-    let _ = writeln!(
-        text,
-        "{} of {} numbers agree; {} are errors of the source, {} differ without an excuse",
-        c.agree, c.checks, c.excused, c.open
-    );
-    text
+    text + &wrapped(&format!(
+        "{}; {} are errors of the source, {} differ without an excuse",
+        c.words(),
+        c.excused,
+        c.open
+    ))
 }
 
 fn cells(c: &Check) -> Vec<String> {

@@ -40,7 +40,8 @@ pub fn run(a: Arguments, output: Output) -> Result<ExitCode, Failure> {
         [] => None,
         [height, length] => Some([height, length]),
         _ => {
-            let found = format!("{} numbers", a.bump.len());
+            let n = a.bump.len();
+            let found = format!("{n} number{}", if n == 1 { "" } else { "s" });
             let expected = "a height and a length in m (--bump 0.1,2)".to_owned();
             return Err(study::StudyError::Setting { field: "bump", expected, found }.into());
         }

@@ -82,7 +82,7 @@ fn table(outcome: &RideOutcome) -> String {
             }
         }
     }
-    let notes = reasons.iter().map(|(why, of)| format!("infinite: {}: {why}\n", of.join(", ")));
+    let notes = reasons.iter().map(|(why, of)| wrapped(&format!("infinite: {}: {why}", of.join(", "))));
     let said = outcome.notes.iter().map(|n| wrapped(&format!("note: {}", n.text)));
     table.text() + &notes.chain(said).collect::<String>() + &metrics(outcome)
 }
@@ -91,7 +91,8 @@ fn table(outcome: &RideOutcome) -> String {
 fn metrics(outcome: &RideOutcome) -> String {
     let mut table = Table::new(&["<metrics", "<unit", "value", "<reaction"]);
     for r in outcome.metric_rows() {
-        let [value, _] = r.shown(number).map(Option::unwrap_or_default);
+        let [shown, _] = r.shown(number);
+        let value = shown.unwrap_or_else(|| r.infinite(0).to_owned());
         let [words, _] = r.words;
         table.row([r.what, r.unit, value, words]);
     }

@@ -87,7 +87,7 @@ pub fn finish(directory: &SweepDirectory) -> Result<SweepOutcome, Failure> {
 }
 
 /// Rows of a terminal: `table.csv` has all.
-const MOST_ROWS: usize = 40;
+const MOST_ROWS: usize = 60;
 
 /// One row a point: where, how it ended, the goal, and each kind of response.
 pub fn table(o: &SweepOutcome) -> String {

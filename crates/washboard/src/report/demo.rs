@@ -1,6 +1,6 @@
 //! The page of `demo`: from a drive to controllers, with the truth beside every step.
 
-use super::demo_picture::relative;
+use super::demo_picture::{demo_svg_html, relative};
 use super::design::capital;
 use super::html::{Html, classed, element, note, paragraph, table};
 use super::numbers::{fixed, signed, significant};
@@ -53,10 +53,12 @@ pub fn demo_page(outcome: &DemoOutcome, title: &str) -> String {
         sections.splice(after_truth..after_truth, story);
     }
     let top = outcome.designs.as_ref().map_or_else(Html::default, story);
+    let shown = outcome.designs.iter().flat_map(|d| &d.methods).map(|m| m.on_identified.warnings.len());
+    let warnings = shown.sum();
     let page = Page {
         title,
         subtitle: headline::subtitle(found),
-        top: headline::headline(found).and(top),
+        top: headline::headline_beside(found, warnings).and(top),
         sections,
         foot: foot::foot(found),
         plots,
@@ -72,10 +74,15 @@ fn story(d: &DemoDesigns) -> Html {
         };
         let text = match (change(&m.on_identified), change(&m.on_true)) {
             (Some(a), Some(b)) => format!(
-                "{}, designed on what the drive showed: {} % body acceleration in the true car; designed with the truth: {} %.",
+                "{}, designed on what the drive showed: {} % body acceleration in the true car; designed with the truth: {} %.{}",
                 capital(&m.title),
                 signed(a, 1),
-                signed(b, 1)
+                signed(b, 1),
+                match m.on_identified.warnings.len() {
+                    0 => String::new(),
+                    1 => " Before it is built: one warning, below.".to_owned(),
+                    n => format!(" Before it is built: {n} warnings, below."),
+                }
             ),
             _ => format!("{}: {}", capital(&m.title), verdict(&m.on_identified)),
         };
@@ -91,11 +98,10 @@ fn verdict(c: &DemoController) -> String {
 fn filter(d: &DemoDesigns, plots: &mut Plots) -> Html {
     let words = |name: &str, f: &DemoFilter| {
         format!(
-            "The {name} road’s law, rounded below {} rad/m, is a filter of order {} ({} states with the low-pass) with a log₁₀ error of {} \
+            "The {name} road’s law, rounded below {} rad/m, is a filter of {}, with a log₁₀ error of {} \
              rms and {} at most over the band that the drive saw, {} to {} rad/m.",
             significant(f.rounded_below_rad_per_m, 2),
-            f.order,
-            f.states,
+            f.order_words(),
             significant(f.log10_rms_error, 2),
             significant(f.log10_max_error, 2),
             significant(f.band_rad_per_m[0], 3),
@@ -103,12 +109,13 @@ fn filter(d: &DemoDesigns, plots: &mut Plots) -> Html {
         )
     };
     let f = &d.filter;
-    let law = |values: &[f64]| values.iter().map(|v| Some(*v)).collect::<Vec<_>>();
+    // a filter's is two-sided with var = (1/2π) ∫ S dν; a road's roughness, S₀, is one-sided per rad/m: G = S/π
+    let law = |values: &[f64]| values.iter().map(|v| Some(*v / std::f64::consts::PI)).collect::<Vec<_>>();
     let plot = Plot::new(
-        "Density of the road’s height, two-sided",
+        "Density of the road’s height, one-sided per rad/m, as S₀ is",
         &f.nu_rad_per_m,
         Axis::new("wavenumber ν", "rad/m", true),
-        Axis::new("S", "m³", true),
+        Axis::new("G", "m³", true),
     )
     .curve("filter", Role::Fitted, law(&f.fitted))
     .curve("identified law", Role::Measured, law(&f.given))
@@ -168,6 +175,14 @@ fn buys(d: &DemoDesigns, plots: &mut Plots) -> Html {
         for (whose, c) in [("identified", &m.on_identified), ("true", &m.on_true)] {
             body.push(note(told(whose, c)));
         }
+        m.beyond_bounds(&d.passive).into_iter().for_each(|words| body.push(note(capital(&words) + ".")));
+        if !m.on_identified.warnings.is_empty() {
+            let words = format!("Warnings of the design on the identified car, {}:", m.title);
+            body.push(paragraph(words).and(headline::flags(&m.on_identified.warnings)));
+        }
+    }
+    if let Some(picture) = demo_svg_html(d) {
+        body.push(element("figure", &[("class", "wide")], picture));
     }
     let mut grid = Html::default();
     for (name, title, unit) in SPECTRA {
@@ -200,12 +215,8 @@ fn told(whose: &str, c: &DemoController) -> String {
     let expected = c.expected.map_or_else(String::new, |e| {
         format!("; its own design expected {} % body acceleration", signed(100.0 * (e - 1.0), 1))
     });
-    let warnings = match &c.warnings[..] {
-        [] => String::new(),
-        names => format!("; its warnings: {}", names.join(", ")),
-    };
     let why = c.why.as_ref().map_or_else(String::new, |w| format!("; {w}"));
-    format!("On the {whose} car: {order}{expected}{warnings}{why}.")
+    format!("On the {whose} car: {order}{expected}{why}.")
 }
 
 fn further(d: &DemoDesigns) -> Html {

@@ -12,6 +12,8 @@ const BARS: [f64; 4] = [520.0, 880.0, 66.0, 320.0];
 /// Colours of methods, those of the page's plots.
 const COLOURS: [&str; 2] = ["#0b4a72", "#c2470b"];
 const INK: &str = "#16202a";
+/// Of what the designs bound.
+const BOUND: &str = "#6d4aa8";
 const SOFT: &str = "#52606d";
 /// What the bars are of.
 const SHOWN: [(&str, &str); 3] = [
@@ -33,7 +35,12 @@ pub(super) fn relative(ride: &DemoRide, passive: &DemoRide, name: &str) -> Optio
 /// The picture as an SVG file; none without designs.
 #[must_use]
 pub fn demo_svg(outcome: &DemoOutcome) -> Option<String> {
-    let d = outcome.designs.as_ref()?;
+    Some(format!("{}\n", demo_svg_html(outcome.designs.as_ref()?)?.as_str()))
+}
+
+/// The same as a part of the page.
+pub(super) fn demo_svg_html(d: &DemoDesigns) -> Option<Html> {
+    (!d.methods.is_empty()).then_some(())?;
     let title = "From a drive to controllers, in the true car";
     let mut inside = element("rect", &[("width", "900"), ("height", "400"), ("fill", "#fff")], "");
     inside.push(text([20.0, 26.0], "start", "16", INK, title));
@@ -50,7 +57,7 @@ pub fn demo_svg(outcome: &DemoOutcome) -> Option<String> {
         ("role", "img"),
         ("aria-label", title),
     ];
-    Some(format!("{}\n", element("svg", &attributes, inside).as_str()))
+    Some(element("svg", &attributes, inside))
 }
 
 fn text(at: [f64; 2], anchor: &str, size: &str, colour: &str, words: &str) -> Html {
@@ -137,7 +144,8 @@ fn bars(d: &DemoDesigns) -> Html {
         .collect();
     let values =
         SHOWN.map(|(name, _)| rides.iter().map(|r| relative(r.2, &d.passive, name)).collect::<Vec<_>>());
-    let most = values.iter().flatten().flatten().copied().fold(1.0, f64::max);
+    let bounds = d.methods.iter().flat_map(|m| &m.on_identified.bounds).map(|b| b.bound);
+    let most = values.iter().flatten().flatten().copied().chain(bounds).fold(1.0, f64::max);
     let steps = (most / 0.25).ceil() as i32;
     let y = |v: f64| bottom - v / (0.25 * f64::from(steps)) * (bottom - top);
     let mut all = text([left, 54.0], "start", "13", INK, "rms in the true car, as a share of passive");
@@ -149,7 +157,7 @@ fn bars(d: &DemoDesigns) -> Html {
     }
     let group = (right - left) / SHOWN.len() as f64;
     let width = 0.8 * group / rides.len().max(1) as f64;
-    for (g, ((_, title), of)) in SHOWN.iter().zip(&values).enumerate() {
+    for (g, ((name, title), of)) in SHOWN.iter().zip(&values).enumerate() {
         let begin = left + group * (g as f64 + 0.1);
         for (k, (value, (colour, filled, _))) in of.iter().zip(&rides).enumerate() {
             let Some(v) = value else { continue };
@@ -169,6 +177,16 @@ fn bars(d: &DemoDesigns) -> Html {
             all.push(text([at + width / 2.0, y(*v) - 4.0], "middle", "11", INK, &share));
         }
         all.push(text([left + group * (g as f64 + 0.5), bottom + 18.0], "middle", "12", SOFT, title));
+        let bound = d.methods.iter().flat_map(|m| &m.on_identified.bounds).find(|b| b.name == *name);
+        if let Some(b) = bound {
+            let ends = [left + group * (g as f64 + 0.02), left + group * (g as f64 + 0.98)];
+            all.push(line([ends[0], y(b.bound)], [ends[1], y(b.bound)], BOUND, "7 3"));
+            // once, above the bars' numbers
+            if g + 1 == SHOWN.len() {
+                let words = format!("bound {} %", fixed(100.0 * b.bound, 0));
+                all.push(text([ends[1], top - 4.0], "end", "11", BOUND, &words));
+            }
+        }
     }
     all
 }

@@ -4,8 +4,8 @@ use super::design::capital;
 use super::html::{Html, element, note, paragraph, table};
 use super::numbers::{fixed, signed, significant};
 use crate::study::{
-    ClaimRow, DesignMethod, DesignOutcome, Measured, ResponseGroup, ResponseRow, Rms, TruncatedRow,
-    VertexRow, VertexTable,
+    ClaimRow, DesignMethod, DesignOutcome, ResponseGroup, ResponseRow, Rms, TruncatedRow, VertexRow,
+    VertexTable,
 };
 
 /// More poles than these are shown on demand.
@@ -190,8 +190,8 @@ pub(super) fn truncated(o: &DesignOutcome) -> Option<Html> {
 
 /// Poles with Im ≥ 0.
 pub(super) fn poles(o: &DesignOutcome) -> Option<Html> {
-    let of = |m: &Measured, which: &str| -> Vec<Vec<Html>> {
-        let upper = m.poles.iter().filter(|p| p[1] >= 0.0);
+    let of = |poles: &[[f64; 2]], which: &str| -> Vec<Vec<Html>> {
+        let upper = poles.iter().filter(|p| p[1] >= 0.0);
         let row = |p: &[f64; 2]| {
             let size = p[0].hypot(p[1]);
             let im = if p[1] <= REAL * size { 0.0 } else { p[1] };
@@ -202,10 +202,12 @@ pub(super) fn poles(o: &DesignOutcome) -> Option<Html> {
         };
         upper.map(row).collect()
     };
-    let mut rows = of(&o.passive, "passive");
+    let mut rows = of(&o.passive.poles, "passive");
     if let Some(closed) = &o.verified {
-        rows.extend(of(closed, "closed"));
+        rows.extend(of(&closed.poles, "closed"));
     }
+    let own = o.controller.as_ref().and_then(|k| k.state_space().ok()?.poles().ok()).unwrap_or_default();
+    rows.extend(of(&own.iter().map(|p| [p.re, p.im]).collect::<Vec<_>>(), "controller itself"));
     let head = ["loop", "#Re λ, 1/s", "#Im λ, rad/s", "#|λ|/2π, Hz", "#damping, %"];
     let count = rows.len();
     let table = (count > 0).then(|| table("poles λ with Im λ ≥ 0", &head, rows))?;

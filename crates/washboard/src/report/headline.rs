@@ -9,7 +9,20 @@ use crate::study::{Flag, IdentifyOutcome};
 
 /// Box with verdict, sentence and flags; then the few figures that everybody asks for.
 pub(super) fn headline(outcome: &IdentifyOutcome) -> Html {
+    headline_beside(outcome, 0)
+}
+
+/// The same where designs made of it have so many warnings of their own.
+pub(super) fn headline_beside(outcome: &IdentifyOutcome, of_designs: usize) -> Html {
     let (class, verdict) = verdict(outcome);
+    let (class, verdict) = match of_designs {
+        0 => (class, verdict),
+        n => {
+            let warnings = if n == 1 { "warning" } else { "warnings" };
+            let class = if class == "passed" { "warned" } else { class };
+            (class, format!("Identification: {}. Designs: {n} {warnings}, below", verdict.to_lowercase()))
+        }
+    };
     let inside = element("h2", &[], verdict)
         .and(if outcome.converged { Html::default() } else { flags(&outcome.flags) })
         .and(classed("p", "finding", finding(outcome)))
@@ -47,7 +60,11 @@ fn finding(outcome: &IdentifyOutcome) -> String {
     let mut parts = vec![modes_words(outcome)];
     if let Some(road) = &outcome.road {
         let (s0, sd) = one_sided(road);
-        parts.push(format!("ISO 8608 class {:?} road, S₀ = {} m³", road.class, with_sd_in(s0, sd, -6)));
+        parts.push(format!(
+            "ISO 8608 class {:?} road, S₀ = {} m³ (one-sided per rad/m)",
+            road.class,
+            with_sd_in(s0, sd, -6)
+        ));
     }
     if let Some(fit) = &outcome.fit {
         parts.push(chi_words(fit.chi));

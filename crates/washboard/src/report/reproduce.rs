@@ -40,7 +40,8 @@ pub fn reproduce_page(outcome: &ReproduceOutcome) -> String {
 }
 
 fn subtitle(o: &ReproduceOutcome) -> Html {
-    let skipped = match &o.skipped[..] {
+    let left: Vec<&str> = o.skipped.iter().chain(&o.skipped_errata).map(String::as_str).collect();
+    let skipped = match &left[..] {
         [] => Html::default(),
         names => paragraph(format!("Left out by --quick: {}", names.join(", "))),
     };
@@ -51,7 +52,7 @@ fn subtitle(o: &ReproduceOutcome) -> Html {
 fn headline(o: &ReproduceOutcome) -> Html {
     let c = &o.counts;
     let class = if c.open > 0 { "failed" } else { "passed" };
-    let verdict = format!("{} of {} published numbers agree", c.agree, c.checks);
+    let verdict = c.words();
     let words = format!(
         "{} do not because the source is in error, with evidence below; {} do not and have no such excuse.",
         c.excused, c.open
@@ -174,7 +175,7 @@ mod tests {
         ReproduceOutcome {
             items: vec![check(true, None), check(false, Some("E0.1")), check(false, None)],
             titles: vec![Titled { item: "thesis.sec-0.0".into(), title: "t".into() }],
-            counts: Counts { checks: 3, agree: 1, excused: 1, open: 1 },
+            counts: Counts { checks: 3, agree: 1, excused: 1, open: 1, inputs: 0 },
             figures: vec![Figure {
                 name: "thesis.fig-0.1".into(),
                 title: "f".into(),
@@ -193,13 +194,14 @@ mod tests {
                 evidence: vec![Evidence { what: "n".into(), as_printed: 1.0, right: 2.0 }],
             }],
             skipped: vec!["thesis.fig-0.2".into()],
+            skipped_errata: vec![],
         }
     }
 
     #[test]
     fn every_row_says_whether_it_agrees_and_what_excuses_it() {
         let page = reproduce_page(&outcome());
-        assert!(page.contains("1 of 3 published numbers agree") && page.contains("class=\"verdict failed\""));
+        assert!(page.contains("1 of 3 computed numbers agree") && page.contains("class=\"verdict failed\""));
         assert!(page.contains("<a href=\"#E0.1\">erratum E0.1</a>") && page.contains("<h3 id=\"E0.1\">"));
         assert!(page.contains("−0.1234568") && page.contains("&lt;b&gt;") && !page.contains("<b>"));
         assert!(page.contains("\"role\":\"line\"") && page.contains("thesis.fig-0.2"));

@@ -6,9 +6,15 @@ use super::page::{Page, Section};
 use super::plot::Plots;
 use super::sweep_chart::{Chart, Dot, Stroke};
 use super::sweep_detail::chosen;
-use super::sweep_parallel::parallel;
+use super::sweep_parallel::{parallel, parallel_metrics};
 use crate::study::{SweepDetail, SweepOutcome, SweepPoint, non_dominated};
 use serde_json::Value;
+
+/// Colours of the first and the last of several rows.
+const FIRST: [f64; 3] = [11.0, 80.0, 119.0];
+const LAST: [f64; 3] = [201.0, 120.0, 0.0];
+/// Names of a legend.
+const MOST_NAMES: usize = 8;
 
 /// The page of a sweep, from its outcome and its points alone: offline, and the same bytes for the same points.
 #[must_use]
@@ -117,7 +123,7 @@ fn pareto(o: &SweepOutcome, names: &[&str], front: &[bool]) -> Option<Html> {
                 x_label: format!("rms of {a} over passive"),
                 y_label: format!("rms of {b} over passive"),
                 dots: o.points.iter().enumerate().filter_map(dot).collect(),
-                strokes: vec![Stroke { class: "edge", points: edge }],
+                strokes: vec![Stroke { class: "edge", colour: String::new(), points: edge }],
                 passive: [Some(1.0), Some(1.0)],
             };
             grid.push(chart.draw().unwrap_or_default());
@@ -139,9 +145,9 @@ fn along(o: &SweepOutcome, names: &[&str]) -> Option<Html> {
             .grid
             .iter()
             .filter(|a| a.key != axis.key)
-            .map(|a| p.at.get(&a.key).map(Value::to_string).unwrap_or_default())
+            .map(|a| format!("{} = {}", a.key, p.at.get(&a.key).map(value_text).unwrap_or_default()))
             .collect();
-        let others = others.join("|");
+        let others = others.join(", ");
         match rows.iter_mut().find(|(name, _)| *name == others) {
             Some((_, row)) => row.push(p),
             None => rows.push((others, vec![p])),
@@ -156,11 +162,12 @@ fn along(o: &SweepOutcome, names: &[&str]) -> Option<Html> {
                  passive: Option<f64>| {
         let mut strokes = Vec::new();
         for (class, take) in beside.iter().map(|(c, t)| (*c, t)).chain([("row", &of)]) {
-            for (_, row) in &rows {
+            for (k, (_, row)) in rows.iter().enumerate() {
                 let mut points: Vec<[f64; 2]> = row.iter().filter_map(|p| Some([x(p)?, take(p)?])).collect();
                 points.sort_by(|a, b| a[0].total_cmp(&b[0]));
                 if points.len() > 1 {
-                    strokes.push(Stroke { class, points });
+                    let colour = if class == "row" { shade(k, rows.len()) } else { String::new() };
+                    strokes.push(Stroke { class, colour, points });
                 }
             }
         }
@@ -188,12 +195,48 @@ fn along(o: &SweepOutcome, names: &[&str]) -> Option<Html> {
         );
     }
     let words = "Dashed: the passive vehicle. Green, where there is one: what no controller goes below (objective.limit).";
-    (grid != Html::default()).then(|| classed("div", "grid", grid).and(note(words)))
+    let names: Vec<&str> = rows.iter().map(|(name, _)| name.as_str()).collect();
+    (grid != Html::default()).then(|| legend(&names).and(classed("div", "grid", grid)).and(note(words)))
+}
+
+/// The colour of a row of so many, from the first to the last.
+fn shade(k: usize, of: usize) -> String {
+    if of < 2 {
+        return String::new();
+    }
+    let t = k as f64 / (of - 1) as f64;
+    let [r, g, b] = [0, 1, 2].map(|c| (FIRST[c] + t * (LAST[c] - FIRST[c])).round());
+    format!("rgb({r}, {g}, {b})")
+}
+
+/// What the lines are of; of many rows some, evenly.
+fn legend(names: &[&str]) -> Html {
+    let n = names.len();
+    if n < 2 {
+        return Html::default();
+    }
+    let shown: Vec<usize> = if n <= MOST_NAMES {
+        (0..n).collect()
+    } else {
+        (0..MOST_NAMES).map(|i| i * (n - 1) / (MOST_NAMES - 1)).collect()
+    };
+    let entry = |k: &usize| {
+        let look = format!("color: {}", shade(*k, n));
+        let mark = element("span", &[("style", look.as_str()), ("aria-hidden", "true")], "━ ");
+        classed("span", "entry", mark.and(names[*k]).and("\u{2003}"))
+    };
+    let rest = if shown.len() < n { "the others between them" } else { "" };
+    let inside = Html::from("Lines: ").and(shown.iter().map(entry).collect::<Html>()).and(rest);
+    classed("p", "legend", inside)
 }
 
 fn all_points(o: &SweepOutcome, front: &[bool]) -> Option<Html> {
     let words = "Each line is a point; rms are over the passive ones. Dark lines are points that none beats.";
-    Some(classed("div", "scroll", parallel(o, front)?).and(note(words)))
+    let metrics = parallel_metrics(o, front).map(|m| {
+        let summary = element("summary", &[], "Metrics: the loop’s, in their units");
+        element("details", &[], summary.and(classed("div", "scroll", m)))
+    });
+    Some(classed("div", "scroll", parallel(o, front)?).and(note(words)).and(metrics.unwrap_or_default()))
 }
 
 /// A row a point; the files have every number.
@@ -206,6 +249,8 @@ fn table(o: &SweepOutcome, names: &[&str], front: &[bool]) -> Html {
     );
     heads.extend(["status".to_owned(), "#goal".to_owned(), "#order".to_owned()]);
     heads.extend(names.iter().map(|n| format!("#{n} rms, %")));
+    let metrics = o.metric_names();
+    heads.extend(metrics.iter().map(|n| format!("#{}", n.replace('_', " "))));
     heads.push("warnings, or why there is no controller".to_owned());
     let head = heads.iter().map(|h| {
         let class = if h.starts_with('#') { "number" } else { "" };
@@ -221,6 +266,8 @@ fn table(o: &SweepOutcome, names: &[&str], front: &[bool]) -> Html {
         let change =
             |n: &&str| p.rms_relative.get(n).map(|r| signed(100.0 * (r - 1.0), 1)).unwrap_or_default();
         cells.extend(names.iter().map(change));
+        let metric = |n: &&str| p.metrics.get(n).map(|v| significant(*v, 4)).unwrap_or_default();
+        cells.extend(metrics.iter().map(metric));
         cells.push(p.why.clone().unwrap_or_else(|| p.warnings.join(", ")));
         let cells: Html = cells
             .into_iter()
@@ -233,7 +280,16 @@ fn table(o: &SweepOutcome, names: &[&str], front: &[bool]) -> Html {
     let body = o.points.iter().enumerate().map(row).collect::<Html>();
     let head = element("thead", &[], element("tr", &[], head.collect::<Html>()));
     let inside = classed("table", "points", head.and(element("tbody", &[], body)));
-    let words = "Bold: beaten by none. rms are changes to the passive vehicle's. table.csv has every output, points/ every design.";
+    let all = if names.is_empty() { String::new() } else { format!(" in all of {}", names.join(", ")) };
+    let empty = if metrics.is_empty() {
+        ""
+    } else {
+        " Metrics are the loop's, in SI units; an empty cell is infinite, or has not settled."
+    };
+    let words = format!(
+        "Bold: on the Pareto front, beaten by no other point{all}. rms are changes to the passive vehicle's.{empty} table.csv has every \
+         output, points/ every design."
+    );
     classed("div", "scroll", inside).and(note(words))
 }
 

@@ -30,6 +30,8 @@ pub(super) struct Dot {
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Stroke {
     pub class: &'static str,
+    /// Its own; what the class says where it is empty.
+    pub colour: String,
     pub points: Vec<[f64; 2]>,
 }
 
@@ -139,7 +141,10 @@ impl Chart {
         }
         for s in &self.strokes {
             let places = joined(s.points.iter().map(|p| [x.at(p[0]), y.at(p[1])]));
-            body.push(element("polyline", &[("points", &places), ("class", s.class)], ""));
+            let look = format!("stroke: {}", s.colour);
+            let mut around = vec![("points", places.as_str()), ("class", s.class)];
+            around.extend((!s.colour.is_empty()).then_some(("style", look.as_str())));
+            body.push(element("polyline", &around, ""));
         }
         let mut dots = Html::default();
         // strong dots over the others

@@ -68,6 +68,17 @@ pub(super) fn parallel(o: &SweepOutcome, front: &[bool]) -> Option<Html> {
     (axes.len() > 1).then(|| draw(o, &axes, front))
 }
 
+/// The same of metrics, each in its unit; none without.
+pub(super) fn parallel_metrics(o: &SweepOutcome, front: &[bool]) -> Option<Html> {
+    let mut axes: Vec<Coordinate> = o.grid.iter().filter_map(|a| grid_axis(o, &a.key, &a.values)).collect();
+    let grid = axes.len();
+    for name in o.metric_names() {
+        let values = o.points.iter().map(|p| p.metrics.get(name).copied()).collect();
+        axes.extend(coordinate_of(halves(&name.replace('_', " ")), values, None, None));
+    }
+    (grid > 0 && axes.len() > grid).then(|| draw(o, &axes, front))
+}
+
 /// Whole vectors and single outputs with an rms over the passive one; no corners.
 fn shown(o: &SweepOutcome) -> Vec<&str> {
     let names = o.outputs();
@@ -85,13 +96,22 @@ fn head(name: &str) -> [String; 2] {
     }
 }
 
+/// Words in two lines of about the same length.
+fn halves(words: &str) -> [String; 2] {
+    let least = (words.len() / 2).saturating_sub(3);
+    let cut = words.char_indices().filter(|(_, c)| *c == ' ').map(|(k, _)| k).find(|k| *k >= least);
+    cut.map_or([words.to_owned(), String::new()], |k| [words[..k].to_owned(), words[k + 1..].to_owned()])
+}
+
 /// Numbers by size, anything else by its place in the list.
 fn grid_axis(o: &SweepOutcome, key: &str, values: &[Value]) -> Option<Coordinate> {
     let last = key.rsplit('.').next().unwrap_or(key).replace('_', " ");
-    let cut =
-        last.char_indices().filter(|(_, c)| *c == ' ').map(|(k, _)| k).find(|k| *k >= last.len() / 2 - 3);
-    let head =
-        cut.map_or([last.clone(), String::new()], |k| [last[..k].to_owned(), last[k + 1..].to_owned()]);
+    // a goal's key ends in the output that it is of, which has an axis of its own
+    let head = match key.split('.').collect::<Vec<_>>()[..] {
+        ["goal", list, _] if list.starts_with("minimize") => ["weight of".to_owned(), last],
+        ["goal", list, _] if list.starts_with("bound") => ["bound on".to_owned(), last],
+        _ => halves(&last),
+    };
     if values.iter().all(Value::is_number) {
         let own = o.points.iter().map(|p| p.at.get(key).and_then(Value::as_f64)).collect();
         return coordinate_of(head, own, None, None);

@@ -144,7 +144,7 @@ fn the_headline_says_what_was_found() {
     let finding = between(&page, "<p class=\"finding\">", "</p>");
     assert_eq!(
         finding,
-        "2 modes from 1.06 to 8.04 Hz; ISO 8608 class C road, S₀ = (14.9 ± 0.2)·10⁻⁶ m³; \
+        "2 modes from 1.06 to 8.04 Hz; ISO 8608 class C road, S₀ = (14.9 ± 0.2)·10⁻⁶ m³ (one-sided per rad/m); \
          the model explains the data (χ = 0.39, limit 0.6)."
     );
     assert!(page.contains("1.064 ± 0.012") && page.contains("1.040 to 1.088"));

@@ -1,7 +1,7 @@
 //! The spectrum of one track.
 
 use super::{RoadError, ShapingFilter};
-use crate::units::Convention;
+use crate::units::{Convention, plain};
 use serde::{Deserialize, Serialize};
 
 /// The classes of ISO 8608, by the geometric mean of G_d at Ω₀ = 1 rad/m: 1, 4, 16 … 16384 × 10⁻⁶ m³.
@@ -341,8 +341,7 @@ fn roughness(value: f64) -> Result<(), RoadError> {
         return Ok(());
     }
     let expected = "a positive number, 1e-15 to 1e3 m^3 (class A to H: 1e-6 to 0.016)";
-    let found = if value.is_finite() { format!("{value:e}") } else { value.to_string() };
-    Err(RoadError::Field { field: "roughness_m3", expected, found })
+    Err(RoadError::Field { field: "roughness_m3", expected, found: plain(value) })
 }
 
 pub(super) fn positive(field: &'static str, value: f64) -> Result<(), RoadError> {
@@ -350,11 +349,7 @@ pub(super) fn positive(field: &'static str, value: f64) -> Result<(), RoadError>
     if (1e-60..=1e60).contains(&value) {
         Ok(())
     } else if value.is_finite() && value > 0.0 {
-        Err(RoadError::Field {
-            field,
-            expected: "a positive number, 1e-60 to 1e60",
-            found: format!("{value:e}"),
-        })
+        Err(RoadError::Field { field, expected: "a positive number, 1e-60 to 1e60", found: plain(value) })
     } else {
         Err(RoadError::Field { field, expected: "a positive number", found: value.to_string() })
     }

@@ -1,13 +1,13 @@
 //! The second half of `demo`: controllers for what was identified and for the truth, all judged by the true car.
 
 use super::demo_drive::SPEED_M_S;
-use super::demo_outcome::{DemoController, DemoMethod, DemoRide};
+use super::demo_outcome::{DemoBound, DemoController, DemoMethod, DemoRide};
 use super::design::design_on;
 use super::design_outcome::{ControllerFile, DesignOutcome};
 use super::design_problem::{Norm, Problem};
 use super::ground::ground_of;
 use super::ride::ride_on;
-use super::{DesignSpec, LoadedExcitation, LoadedRoad, LoadedVehicle, Named, RideOutcome, StudyError};
+use super::{DesignSpec, LoadedExcitation, LoadedRoad, LoadedVehicle, Named, RideOutcome, Rms, StudyError};
 use crate::files::parse_toml;
 use crate::vehicle::Control;
 use std::path::Path;
@@ -36,13 +36,29 @@ pub(super) struct Judge<'a> {
     pub road: &'a LoadedRoad,
 }
 
-/// The design of a method's file at a place.
-pub(super) fn design_at(text: &str, place: &Place) -> Result<DesignOutcome, StudyError> {
+/// The design of a method's file at a place; `whole` with all warnings that `design` has.
+pub(super) fn design_at(text: &str, place: &Place, whole: bool) -> Result<DesignOutcome, StudyError> {
     let spec: DesignSpec = parse_toml(text, Path::new("design"))?;
     let spec = DesignSpec { vehicle: place.vehicle.name.clone(), road: place.filter.name.clone(), ..spec };
     spec.check()?;
     let road = LoadedExcitation::Road(Box::new(place.filter.clone()));
-    Ok(design_on(&spec, place.vehicle.clone(), road)?.0)
+    Ok(design_on(&spec, place.vehicle.clone(), road, whole)?.0)
+}
+
+/// What a design bounds, and what its own car has of it: the norm of its plant, and the rms with exact delays.
+fn bounds(outcome: &DesignOutcome) -> Vec<DemoBound> {
+    let Some(verified) = &outcome.verified else { return Vec::new() };
+    let share = |closed: &Named<Rms>, passive: &Named<Rms>, name: &str| {
+        let of = |all: &Named<Rms>| all.get(name).and_then(|r| r.finite());
+        of(closed).zip(of(passive)).filter(|(_, p)| *p > 0.0).map(|(c, p)| c / p)
+    };
+    let one = |(name, bound): (&str, &f64)| DemoBound {
+        name: name.to_owned(),
+        bound: *bound,
+        kept: share(&verified.h2, &outcome.passive.h2, name),
+        with_exact_delay: share(&verified.rms, &outcome.passive.rms, name),
+    };
+    outcome.design.goal.bound_h2.iter().map(one).collect()
 }
 
 impl Judge<'_> {
@@ -83,12 +99,16 @@ impl Judge<'_> {
 
     /// What a design's controller does in the true car.
     pub fn judged(&self, outcome: &DesignOutcome) -> Result<DemoController, StudyError> {
-        let rms = |of: &Named<super::Rms>| of.get(MINIMIZED).and_then(|r| r.finite());
+        let rms = |of: &Named<Rms>| of.get(MINIMIZED).and_then(|r| r.finite());
         let expected = outcome.verified.as_ref().and_then(|v| rms(&v.rms)).zip(rms(&outcome.passive.rms));
+        // what an actuator would make of it is a note of a design, as it has none of its own
+        let of_actuator = outcome.notes.iter().filter(|n| n.name == "actuator");
         let mut judged = DemoController {
             status: outcome.status,
             why: outcome.why.clone(),
-            warnings: outcome.warnings.iter().map(|w| w.name.clone()).collect(),
+            warnings: outcome.warnings.iter().chain(of_actuator).cloned().collect(),
+            bounds: bounds(outcome),
+            delay_order: outcome.design.delay_order,
             order: outcome.order,
             expected: expected.map(|(with, without)| with / without),
             ride: None,

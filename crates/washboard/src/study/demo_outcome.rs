@@ -1,7 +1,10 @@
 //! What `demo` found, as it is written to `result.json`.
 
-use super::{DesignStatus, IdentifyOutcome, Named, Rms};
+use super::{DesignStatus, Flag, IdentifyOutcome, Named, Rms};
 use serde::{Deserialize, Serialize};
+
+/// A bound that is exceeded by less than this share is kept: rounding of per cents that people read.
+const BEYOND: f64 = 0.005;
 
 /// The result of `demo`: the keys of `identify` with its `truth`, and what was made of it.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
@@ -38,7 +41,7 @@ pub struct DemoDesigns {
 pub struct DemoFilter {
     /// n of the fit.
     pub order: usize,
-    /// States of the filter, the low-pass among them.
+    /// States of the filter, the low-pass among them where there is one.
     pub states: usize,
     /// As \[re, im\], rad/m.
     pub poles: Vec<[f64; 2]>,
@@ -56,6 +59,18 @@ pub struct DemoFilter {
     pub given: Vec<f64>,
     /// The filter's.
     pub fitted: Vec<f64>,
+}
+
+impl DemoFilter {
+    /// `order 1`, with its states where a low-pass adds some.
+    #[must_use]
+    pub fn order_words(&self) -> String {
+        if self.states > self.order {
+            format!("order {}, {} states with the low-pass", self.order, self.states)
+        } else {
+            format!("order {}", self.order)
+        }
+    }
 }
 
 /// The true car on the true road.
@@ -88,6 +103,57 @@ pub struct DemoMethod {
     pub difference: Named<f64>,
 }
 
+/// A bound of a design, as a multiple of the passive value, and what its own car and filter have.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct DemoBound {
+    /// The output.
+    pub name: String,
+    /// As the design file has it.
+    pub bound: f64,
+    /// The H2 norm with the approximated delay, which is what is bounded.
+    pub kept: Option<f64>,
+    /// The rms with the exact delay.
+    pub with_exact_delay: Option<f64>,
+}
+
+impl DemoMethod {
+    /// Why the true car exceeds a bound of the design on the identified one: a sentence a bound that it exceeds.
+    #[must_use]
+    pub fn beyond_bounds(&self, passive: &DemoRide) -> Vec<String> {
+        let c = &self.on_identified;
+        let of = |ride: &DemoRide, name: &str| ride.rms.get(name).and_then(|r| r.finite());
+        let sentence = |b: &DemoBound| {
+            let found = of(c.ride.as_ref()?, &b.name)? / of(passive, &b.name)?;
+            if found <= b.bound * (1.0 + BEYOND) {
+                return None;
+            }
+            let (kept, exact) = (b.kept?, b.with_exact_delay?);
+            let percent = |v: f64| format!("{:.1} %", 100.0 * v);
+            let why = if exact > b.bound * (1.0 + BEYOND) {
+                format!(
+                    "the same design on its own car has {} with the exact delay: the approximation of the delay is what the bound misses",
+                    percent(exact)
+                )
+            } else {
+                format!(
+                    "its own car has {} with the exact delay, too: the true car and road are others",
+                    percent(exact)
+                )
+            };
+            Some(format!(
+                "{}: {} of passive in the true car, where the design bounds it at {:.0} %. The bound is on the norm of the identified car, \
+                 whose rear wheels follow by Padé's approximation (order {}) of the delay: there it is {}; {why}",
+                b.name.replace('_', " "),
+                percent(found),
+                100.0 * b.bound,
+                c.delay_order,
+                percent(kept)
+            ))
+        };
+        c.bounds.iter().filter_map(sentence).collect()
+    }
+}
+
 /// A controller, and what it does in the true car.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct DemoController {
@@ -96,9 +162,15 @@ pub struct DemoController {
     /// Why there is none, or why the true car's loop has no answer.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub why: Option<String>,
-    /// Names of the design's warnings.
+    /// The design's warnings, and its note of an actuator; of a design on the identified car all that `design` gives.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub warnings: Vec<String>,
+    pub warnings: Vec<Flag>,
+    /// What the design bounds.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub bounds: Vec<DemoBound>,
+    /// Order of Padé's approximation of the rear wheels' delay in the plant that it was designed on.
+    #[serde(default)]
+    pub delay_order: usize,
     /// States.
     pub order: Option<usize>,
     /// The rms that the design itself expected of what it minimises, on its own car and filter, with control over passive.

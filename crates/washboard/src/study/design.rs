@@ -9,8 +9,8 @@ use super::{
     StudyError, load_excitation, load_vehicle,
 };
 use super::{
-    design_advice, design_beside, design_fixed_order, design_interpolation, design_mixed, design_robust,
-    design_states, design_truncated, design_warnings, design_words,
+    design_advice, design_beside, design_fixed_order, design_interpolation, design_mixed, design_outputs,
+    design_robust, design_states, design_truncated, design_warnings, design_words,
 };
 use crate::lti::{Continuous, StateSpace};
 use crate::synthesis::SynthesisError;
@@ -47,13 +47,15 @@ fn design_with(
     on(spec, vehicle, road, neighbour, metrics, whole)
 }
 
-/// The controller and its certificate alone, for a vehicle and a road that are at hand under the names that the spec has.
+/// For a vehicle and a road that are at hand under the names that the spec has: the controller and its certificate alone, or what a page
+/// shows beside them, too.
 pub(super) fn design_on(
     spec: &DesignSpec,
     vehicle: LoadedVehicle,
     road: LoadedExcitation,
+    whole: bool,
 ) -> Result<(DesignOutcome, Vec<Input>), StudyError> {
-    on(spec, vehicle, road, None, None, false)
+    on(spec, vehicle, road, None, None, whole)
 }
 
 fn on(
@@ -111,6 +113,7 @@ fn on(
             .cloned()
             .chain(design_words::expanded(&problem))
             .chain(design_words::unused(&problem))
+            .chain(design_outputs::left_out(&problem))
             .collect(),
         units: problem.units(),
         gains: Gains::default(),
@@ -182,6 +185,10 @@ fn on(
     }
     if let Some(section) = metrics {
         let (found, notes) = problem.metrics(&section, outcome.passive.stable, kept);
+        if let Some(verified) = &outcome.verified {
+            let rows = found.short_rows(&outcome.units);
+            outcome.warnings.extend(design_warnings::felt(&rows, &outcome.passive, verified));
+        }
         outcome.metrics = Some(found);
         outcome.notes.extend(notes);
     }
@@ -241,6 +248,7 @@ fn finish(
     if problem.has_objective() {
         outcome.objective.insert("verified", objective(problem, &measured));
     }
+    outcome.warnings.extend(design_warnings::unstable_controller(k));
     outcome.warnings.extend(design_warnings::worse(problem, &outcome.passive, &measured));
     if let Some((flag, is)) = design_warnings::algebraic_loop(problem, k)? {
         let list = if is { &mut outcome.warnings } else { &mut outcome.notes };

@@ -212,11 +212,11 @@ impl DesignSpec {
             Some(t) if 1.0 / t > self.max_pole_rad_s() => {
                 let most = self.max_pole_rad_s();
                 let expected = format!(
-                    "{:e} s or more: its pole at 1/pid_filter_s is kept within goal.max_pole_rad_s = {}",
-                    1.0 / most,
+                    "{} s or more: its pole at 1/pid_filter_s is kept within goal.max_pole_rad_s = {}",
+                    plain(1.0 / most),
                     plain(most)
                 );
-                return Err(setting("pid_filter_s", expected, format!("{t:e}")));
+                return Err(setting("pid_filter_s", expected, plain(t)));
             }
             None if is_pid => {
                 let expected = "the time constant of the derivative's filter, s (0.01 to begin with)";

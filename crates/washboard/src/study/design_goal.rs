@@ -1,6 +1,7 @@
 //! What a design is to make small, and what it is to keep below a bound.
 
 use super::{DesignMethod, DesignSpec, Named, StudyError};
+pub(super) use crate::units::plain;
 use serde::{Deserialize, Serialize};
 
 /// Outputs and their weights; a name without its corner is the stacked vector, with one joint norm.
@@ -183,15 +184,6 @@ fn at_least_zero(field: &'static str, named: &Named<f64>) -> Result<(), StudyErr
             format!("{name} = {}", plain(*w)),
         )),
         None => Ok(()),
-    }
-}
-
-/// Without three hundred zeros.
-pub(super) fn plain(v: f64) -> String {
-    if v == 0.0 || !v.is_finite() || (1e-6..1e7).contains(&v.abs()) {
-        v.to_string()
-    } else {
-        format!("{v:e}")
     }
 }
 

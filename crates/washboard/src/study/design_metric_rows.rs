@@ -1,12 +1,14 @@
 //! Metrics as rows of a table: passive, closed and the change, by what they say of a car.
 
-use super::{DesignMetrics, Named, RideMetrics, TravelUse};
+use super::{DesignMetrics, Named, ResponseGroup, RideMetrics, TravelUse};
 
 /// Places at the end of names, longest first.
 const PLACES: [&str; 6] = ["front_left", "front_right", "rear_left", "rear_right", "front", "rear"];
 
 /// Shares of time in percent, and how often an hour or a kilometre: less of it than this is never, to any driver.
 const NEVER: f64 = 1e-6;
+/// In words, of what is infinite.
+const INFINITE: &str = "infinite on this road";
 
 /// What a metric says of a car.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -59,11 +61,17 @@ pub struct MetricRow {
     pub unit: String,
     /// Passive, closed.
     pub values: [Option<f64>; 2],
-    /// The standard's words for them.
+    /// The standard's words for them, or that they are infinite.
     pub words: [String; 2],
 }
 
 impl MetricRow {
+    /// The word for a value that is missing as it is infinite on this road; nothing else.
+    #[must_use]
+    pub fn infinite(&self, side: usize) -> &'static str {
+        if self.words.get(side).is_some_and(|w| w == INFINITE) { "infinite" } else { "" }
+    }
+
     /// The loop's over the passive one, less 1; none of what never happens.
     #[must_use]
     pub fn change(&self) -> Option<f64> {
@@ -111,6 +119,13 @@ fn used(m: &RideMetrics, number: fn(&TravelUse) -> Option<f64>) -> Named<f64> {
     pick(&m.travel, number)
 }
 
+/// What is infinite on the road is worse than what is not.
+fn beside_infinite(m: &RideMetrics, group: ResponseGroup, finite: Named<f64>) -> Named<f64> {
+    let own = m.infinite.iter().filter(|(name, _)| ResponseGroup::of(name) == group);
+    let own = own.map(|(name, _)| (name.to_owned(), f64::INFINITY));
+    finite.iter().map(|(name, v)| (name.to_owned(), *v)).chain(own).collect()
+}
+
 const fn quantity(
     group: MetricGroup,
     [key, what, unit]: [&'static str; 3],
@@ -122,7 +137,7 @@ const fn quantity(
 
 const QUANTITIES: [Quantity; 14] = [
     quantity(MetricGroup::Comfort, ["weighted", "weighted", ""], Whole::Worst, |m| {
-        pick(&m.weighted, |w| Some(w.rms))
+        beside_infinite(m, ResponseGroup::Comfort, pick(&m.weighted, |w| Some(w.rms)))
     }),
     quantity(
         MetricGroup::Comfort,
@@ -135,7 +150,7 @@ const QUANTITIES: [Quantity; 14] = [
         |m| m.vibration_total.iter().map(|t| (t.at.clone(), t.rms)).collect(),
     ),
     quantity(MetricGroup::RattleSpace, ["three_sigma", "3σ of", "m"], Whole::Worst, |m| {
-        used(m, |t| Some(t.three_sigma_m))
+        beside_infinite(m, ResponseGroup::RattleSpace, used(m, |t| Some(t.three_sigma_m)))
     }),
     quantity(
         MetricGroup::RattleSpace,
@@ -153,7 +168,7 @@ const QUANTITIES: [Quantity; 14] = [
         MetricGroup::TireLoad,
         ["load_coefficient", "dynamic load coefficient,", ""],
         Whole::Worst,
-        |m| pick(&m.tire_load, |t| Some(t.coefficient)),
+        |m| beside_infinite(m, ResponseGroup::TireLoad, pick(&m.tire_load, |t| Some(t.coefficient))),
     ),
     quantity(MetricGroup::Actuator, ["force_rms", "rms force,", "N"], Whole::Worst, |m| {
         pick(&m.actuator, |a| Some(a.force_rms_n))
@@ -257,7 +272,15 @@ impl DesignMetrics {
                     }
                 }
             }
-            own.iter_mut().for_each(|r| r.values = r.values.map(|v| v.filter(|v| v.is_finite())));
+            for row in &mut own {
+                for (value, words) in row.values.iter_mut().zip(&mut row.words) {
+                    // over a bump what has not settled is another matter
+                    if *value == Some(f64::INFINITY) && row.group != MetricGroup::Bump {
+                        *words = INFINITE.to_owned();
+                    }
+                    *value = value.filter(|v| v.is_finite());
+                }
+            }
             rows.extend(own);
         }
         rows
@@ -313,7 +336,7 @@ impl super::DesignOutcome {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::study::{ActuatorUse, RideOutcome, RideSpec, ride};
+    use crate::study::{ActuatorUse, RideOutcome, RideSpec, TireLoad, ride};
 
     fn full_car() -> RideOutcome {
         let spec = RideSpec {
@@ -369,6 +392,32 @@ mod tests {
         assert_eq!(row("1/h", 0.5, 9.176e-80).change(), Some(-1.0));
         // a force of a micronewton is one
         assert_eq!(row("N", 1e-7, 1.0).shown(number)[0], Some(number(1e-7)));
+    }
+
+    #[test]
+    fn a_worst_wheel_that_is_infinite_is_the_worst() {
+        let load = |coefficient| TireLoad { static_n: 1.0, rms_n: coefficient, coefficient };
+        let rows = |infinite: &[&str]| {
+            let mut m = RideMetrics::default();
+            m.tire_load.insert("tire_force_rear", load(0.2));
+            infinite.iter().for_each(|name| m.infinite.insert(*name, "it wanders off".into()));
+            let one = DesignMetrics {
+                stroke_m: None,
+                bump: super::super::BumpSpec::default(),
+                passive: Some(m),
+                closed: None,
+            };
+            one.short_rows(&Named::default())
+        };
+        let row = &rows(&["tire_force_front"])[0];
+        assert_eq!(
+            (row.what.as_str(), row.values[0]),
+            ("dynamic load coefficient, tire_force (worst)", None)
+        );
+        assert_eq!(row.words[0], "infinite on this road");
+        assert_eq!(rows(&["suspension_travel_front"]).len(), 2);
+        let row = &rows(&[])[0];
+        assert_eq!((row.values[0], row.words[0].as_str()), (Some(0.2), ""));
     }
 
     #[test]

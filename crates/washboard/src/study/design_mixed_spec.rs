@@ -1,6 +1,6 @@
 //! What the designs by matrix inequalities are told: poles, the Lyapunov scale, ranges, noise.
 
-use super::design_goal::above_zero;
+use super::design_goal::{above_zero, plain};
 use super::{DesignMethod, DesignSpec, Named, StudyError};
 use crate::synthesis::{LyapunovScale, PoleRegion};
 use serde::{Deserialize, Serialize};
@@ -136,7 +136,7 @@ impl PolesSection {
         }
         if let Some(found) = self.max_real_rad_s.filter(|v| !(*v <= 0.0 && v.is_finite())) {
             let expected = "a finite number, not positive: the loop is to be stable";
-            return Err(setting("poles.max_real_rad_s", expected, super::design_goal::plain(found)));
+            return Err(setting("poles.max_real_rad_s", expected, plain(found)));
         }
         if let Some(found) = self.min_damping.filter(|v| !(*v > 0.0 && *v < 1.0)) {
             let expected = "a ratio between 0 and 1, both left out (0.7 is a usual one; 1 asks for real poles only, which no open region holds)";
@@ -251,7 +251,7 @@ impl DesignSpec {
         }
         for (field, value) in [("goal.max_pole_rad_s", g.max_pole_rad_s), ("goal.max_gain", g.max_gain)] {
             if let Some(found) = value.filter(|v| !(*v > 0.0 && v.is_finite())) {
-                return Err(setting(field, "a positive, finite number", super::design_goal::plain(found)));
+                return Err(setting(field, "a positive, finite number", plain(found)));
             }
         }
         above_zero("goal.bound_h2", &g.bound_h2)?;
@@ -267,7 +267,7 @@ impl DesignSpec {
         if let Some(m) = self.mixed {
             if !(m.sensor_noise == 0.0 || (1e-60..=1e60).contains(&m.sensor_noise)) {
                 let expected = "0, or a number from 1e-60 to 1e60";
-                return Err(setting("mixed.sensor_noise", expected, format!("{:e}", m.sensor_noise)));
+                return Err(setting("mixed.sensor_noise", expected, plain(m.sensor_noise)));
             }
             if !((0.0..=0.5).contains(&m.back_off)) {
                 return Err(setting("mixed.back_off", "a share from 0 to 0.5", m.back_off.to_string()));
@@ -279,11 +279,7 @@ impl DesignSpec {
         }
         for (name, [low, high]) in self.range.iter() {
             if !(low.is_finite() && high.is_finite() && low < high) {
-                let found = format!(
-                    "{name} = [{}, {}]",
-                    super::design_goal::plain(*low),
-                    super::design_goal::plain(*high)
-                );
+                let found = format!("{name} = [{}, {}]", plain(*low), plain(*high));
                 return Err(setting("range", "two finite numbers, the smaller one first", found));
             }
         }

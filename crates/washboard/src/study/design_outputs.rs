@@ -1,10 +1,11 @@
 //! Names of outputs as a design file has them: which outputs they mean, and which can be designed for.
 
+use super::design_problem::Problem;
 use super::design_words::short;
-use super::{DesignDisturbance, DesignMethod, DesignSpec, StudyError};
+use super::{DesignDisturbance, DesignMethod, DesignSpec, Flag, StudyError};
 use crate::linalg::{C64, eigen};
-use crate::lti::GeneralizedPlant;
-use crate::vehicle::{Output, Vehicle, VehicleSpec};
+use crate::lti::{Continuous, GeneralizedPlant, StateSpace};
+use crate::vehicle::{Output, PlantSettings, Vehicle, VehicleSpec};
 use std::fmt;
 
 /// What a suspension engineer looks at; displacements follow the road and say little.
@@ -14,7 +15,14 @@ pub(super) fn shown(output: &Output) -> bool {
 
 /// Whether the response has no mode on the axis.
 pub(super) fn settles(plant: &GeneralizedPlant) -> bool {
-    plant.passive().minimal(1e-10).is_ok_and(|g| g.is_stable().unwrap_or(false))
+    plant.passive().minimal(1e-10).is_ok_and(|g| decays(&g))
+}
+
+/// Whether all poles are left of the axis by more than rounding: a height's own pole at 0 is computed as ±1e-15, on either side.
+pub(super) fn decays(g: &StateSpace<Continuous>) -> bool {
+    let Ok(poles) = g.poles() else { return false };
+    let largest = poles.iter().map(|p| p.norm()).fold(0.0, f64::max);
+    poles.iter().all(|p| p.re < -UNDAMPED * largest)
 }
 
 /// Outputs by names, a base name meaning all of its components.
@@ -32,10 +40,12 @@ pub(super) fn outputs(
             let near = with_all_words(name, known.clone())
                 .or_else(|| crate::files::nearest(name, known))
                 .map_or_else(String::new, |n| format!(" (did you mean `{n}`?)"));
+            let mut bases: Vec<&str> = vehicle.outputs().iter().map(|o| o.base.as_str()).collect();
+            bases.dedup();
             return Err(StudyError::Setting {
                 field,
                 expected: format!("outputs of the vehicle{near}"),
-                found: format!("`{name}`"),
+                found: format!("`{name}`; it has {}", bases.join(", ")),
             });
         }
         for o in members {
@@ -51,6 +61,38 @@ pub(super) fn outputs(
 fn with_all_words<'a>(name: &str, known: impl Iterator<Item = &'a str>) -> Option<&'a str> {
     let has_all = |k: &&str| name.split('_').all(|word| k.split('_').any(|w| w == word));
     known.filter(|_| name.contains('_')).filter(has_all).min_by_key(|k| k.len())
+}
+
+/// A note of what an engineer looks at and no table has: outputs whose response does not die away, or that white noise reaches through
+/// derivatives.
+pub(super) fn left_out(problem: &Problem) -> Option<Flag> {
+    let shows = |base: &str| problem.reported.iter().any(|o| o.base == base);
+    let mut missing: Vec<&Output> = Vec::new();
+    for output in problem.vehicle.outputs().iter().filter(|o| shown(o) && !shows(&o.base)) {
+        if !missing.iter().any(|o| o.base == output.base) {
+            missing.push(output);
+        }
+    }
+    let settings = PlantSettings {
+        road: problem.ground.excitation(),
+        speed_m_s: problem.spec.speed_m_s,
+        disturbance: problem.spec.disturbance.into(),
+        delay_order: problem.spec.delay_order,
+    };
+    let at_once = |o: &&&Output| problem.vehicle.plant(&[**o], &[], &settings).is_err();
+    let (white, lasting): (Vec<&&Output>, Vec<&&Output>) = missing.iter().partition(at_once);
+    let names = |of: &[&&Output]| quoted(&of.iter().map(|o| o.base.as_str()).collect::<Vec<_>>());
+    let white = (!white.is_empty()).then(|| {
+        format!(
+            "{}, infinite at all frequencies: derivatives of what drives this road reach them",
+            names(&white)
+        )
+    });
+    let lasting = (!lasting.is_empty())
+        .then(|| format!("{}, whose response does not die away on this road", names(&lasting)));
+    let all: Vec<String> = white.into_iter().chain(lasting).collect();
+    let text = format!("in no table, as infinite on this road: {}", all.join("; "));
+    (!all.is_empty()).then(|| Flag { name: "left-out".into(), text })
 }
 
 /// Refuses a measurement that is asked for twice, by itself or in a stacked vector: one sensor would count for two.

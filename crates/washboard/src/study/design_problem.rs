@@ -2,7 +2,9 @@
 
 pub(super) use super::design_measure::Norm;
 use super::design_measure::floor;
-use super::design_outputs::{damped, finite, held, no_own_output, once, outputs, settles, settling, shown};
+use super::design_outputs::{
+    damped, decays, finite, held, no_own_output, once, outputs, settles, settling, shown,
+};
 use super::design_states::states;
 use super::ground::{Ground, ground_of};
 use super::{
@@ -202,7 +204,7 @@ impl Problem {
                 other.plant(&z.map_err(of_file)?, &[], &settings).map_err(plant_error)?.passive()
             }
         };
-        if !reference.is_stable().map_err(design_error)? {
+        if !decays(&reference) {
             settling(spec, &names.iter().map(String::as_str).collect::<Vec<_>>())?;
         }
         if norm == Norm::H2 && !in_h2.is_empty() {

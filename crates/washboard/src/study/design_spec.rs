@@ -300,7 +300,7 @@ impl DesignSpec {
         ] {
             if !usual(found) {
                 let expected = "0, or a number from 1e-60 to 1e60".to_owned();
-                return Err(StudyError::Setting { field, expected, found: format!("{found:e}") });
+                return Err(StudyError::Setting { field, expected, found: plain(found) });
             }
         }
         if !(0.01..=500.0).contains(&self.speed_m_s) {
@@ -313,7 +313,7 @@ impl DesignSpec {
         }
         if let Some(d) = self.discretize.filter(|d| !(1e-9..=100.0).contains(&d.dt_s)) {
             let (field, expected) = ("discretize.dt_s", "1e-9 to 100 s".to_owned());
-            return Err(StudyError::Setting { field, expected, found: format!("{:e}", d.dt_s) });
+            return Err(StudyError::Setting { field, expected, found: plain(d.dt_s) });
         }
         self.metrics.iter().try_for_each(MetricsSection::check)?;
         let numbered = |(k, p): (usize, &Named<f64>)| {

@@ -1,11 +1,12 @@
 //! What a design costs, said beside what it buys: responses that became worse, noise, a step that is too long.
 
 use super::design_outcome::Measured;
-use super::design_outputs::not_decaying;
+use super::design_outputs::{Lasting, not_decaying};
 use super::design_problem::Problem;
 use super::design_words::short;
 use super::{
-    DesignDisturbance, DesignMethod, Discretize, DiscretizeRule, Flag, Infinite, Named, Rms, StudyError,
+    DesignDisturbance, DesignMethod, Discretize, DiscretizeRule, Flag, Infinite, MetricRow, Named,
+    ResponseGroup, Rms, StudyError,
 };
 use crate::linalg::{C64, LinalgError, RealSchur};
 use crate::lti::{Continuous, LtiError, StateSpace};
@@ -15,6 +16,8 @@ use crate::synthesis::SynthesisError;
 const WORSE_PEAK: f64 = 3.0;
 /// A mode slower than the vehicle's slowest, or faster than its fastest, by this factor is worth a warning.
 const PACE: f64 = 100.0;
+/// What is felt more than without control by this share is worth a warning where the plain rms says the contrary.
+const FELT: f64 = 0.01;
 /// An output that becomes worse by more than this share is worth a warning.
 const WORSE_RMS: f64 = 0.1;
 
@@ -33,6 +36,38 @@ pub(super) fn unstable_passive(passive: &Measured) -> Option<Flag> {
          those at normalize_at"
     );
     Some(Flag { name: "unstable-passive".into(), text })
+}
+
+/// A warning of a controller that its loop alone keeps stable.
+pub(super) fn unstable_controller(k: &StateSpace<Continuous>) -> Option<Flag> {
+    let poles = k.poles().ok()?;
+    let Some(Lasting::Grows(pole)) = not_decaying(&poles) else { return None };
+    let swings = if pole.im == 0.0 { String::new() } else { format!(" ± {}i", short(pole.im.abs())) };
+    let text = format!(
+        "the controller itself is not stable (pole at +{}{swings} 1/s): where its loop is open (a saturated actuator, a failed \
+         sensor) it runs away; ask for fewer states or smaller gains, or watch for it",
+        short(pole.re)
+    );
+    Some(Flag { name: "unstable-controller".into(), text })
+}
+
+/// A warning of accelerations of the body whose rms falls, and that are felt more: behind the weighting of ISO 2631-1, or at their
+/// peak over the bump.
+pub(super) fn felt(rows: &[MetricRow], passive: &Measured, closed: &Measured) -> Option<Flag> {
+    let number = |of: &Measured, name: &str| of.rms.get(name).and_then(|r| r.finite());
+    let improved = |name: &str| number(closed, name).zip(number(passive, name)).is_some_and(|(a, b)| a < b);
+    let worse = rows.iter().filter_map(|row| {
+        let name = row.key.strip_prefix("weighted_").or_else(|| row.key.strip_prefix("bump_peak_"))?;
+        let change = row.change().filter(|c| *c > FELT)?;
+        (ResponseGroup::of(name) == ResponseGroup::Comfort && improved(name))
+            .then(|| format!("{} {:+.1} %", row.what, 100.0 * change))
+    });
+    let worse: Vec<String> = worse.collect();
+    let text = format!(
+        "the rms of the acceleration is below the passive one, and it is felt more: {}",
+        worse.join(", ")
+    );
+    (!worse.is_empty()).then(|| Flag { name: "felt-more".into(), text })
 }
 
 /// A note of a controller that does nothing for its goal.
@@ -233,7 +268,7 @@ mod tests {
     use super::*;
     use crate::linalg::Mat;
     use crate::study::design_problem::Norm;
-    use crate::study::{DesignSpec, Goal};
+    use crate::study::{DesignSpec, Goal, MetricGroup};
 
     #[test]
     fn feedthrough_around_the_loop_is_told_from_one_half_on() {
@@ -266,5 +301,45 @@ mod tests {
             let grows = closed.poles().unwrap().iter().map(|p| p.re).fold(f64::NEG_INFINITY, f64::max);
             assert_eq!(grows < 1e3, stable, "{share}: {grows}");
         }
+    }
+
+    fn controller(pole: f64) -> StateSpace<Continuous> {
+        let one = |v: f64| Mat::from_fn(1, 1, |_, _| v);
+        StateSpace::continuous(one(pole), one(1.0), one(1.0), one(0.0)).unwrap()
+    }
+
+    #[test]
+    fn a_controller_that_runs_away_by_itself_is_told() {
+        let told = unstable_controller(&controller(0.078)).unwrap();
+        assert!(told.text.contains("pole at +0.078 1/s"), "{}", told.text);
+        assert!(unstable_controller(&controller(-0.078)).is_none());
+    }
+
+    #[test]
+    fn an_acceleration_that_is_felt_more_is_told_where_its_rms_falls() {
+        let row = |key: &str, values: [f64; 2]| MetricRow {
+            group: MetricGroup::Comfort,
+            key: key.into(),
+            what: key.replace('_', " "),
+            unit: "m/s²".into(),
+            values: values.map(Some),
+            words: Default::default(),
+        };
+        let rows = [
+            row("weighted_sprung_acceleration", [1.0, 1.03]),
+            row("bump_peak_sprung_acceleration", [1.0, 1.005]),
+            row("bump_peak_suspension_travel", [1.0, 2.0]),
+        ];
+        let measured = |rms: f64| Measured {
+            rms: ["sprung_acceleration", "suspension_travel"]
+                .map(|n| (n.to_owned(), Rms::Finite(rms)))
+                .into_iter()
+                .collect(),
+            ..Measured::default()
+        };
+        let told = felt(&rows, &measured(1.0), &measured(0.9)).unwrap();
+        assert!(told.text.ends_with(": weighted sprung acceleration +3.0 %"), "{}", told.text);
+        // an rms that rose says so by itself
+        assert!(felt(&rows, &measured(1.0), &measured(1.1)).is_none());
     }
 }

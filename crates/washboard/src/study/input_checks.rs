@@ -17,7 +17,10 @@ pub(super) fn known(spec: &IdentifySpec) -> Result<(), StudyError> {
     }
     for (index, (name, value)) in spec.known.iter().enumerate() {
         if !(value.is_finite() && value.abs() <= 1e9) {
-            return refuse("a value that a vehicle can have", format!("{name} = {value:e}"));
+            return refuse(
+                "a value that a vehicle can have",
+                format!("{name} = {}", crate::units::plain(*value)),
+            );
         }
         if spec.known[..index].iter().any(|(other, _)| other == name) {
             return refuse("each name once", format!("{name} twice"));

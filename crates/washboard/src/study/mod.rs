@@ -174,8 +174,8 @@ pub use load::{
 pub use modes::{ModesOutcome, VehicleMode, VehicleModeKind, modes};
 pub use named::Named;
 pub use reproduce::{
-    Check, Counts, Curve, Erratum, Evidence, Figure, Relation, ReproduceError, ReproduceOutcome,
-    ReproduceSpec, Titled, all_errata, errata_markdown, lmi_cars, reproduce, reproducible,
+    Check, Counts, Curve, Erratum, Evidence, Figure, Listed, Relation, ReproduceError, ReproduceOutcome,
+    ReproduceSpec, Titled, all_errata, errata_markdown, lmi_cars, reproduce, reproducible, reproducible_list,
 };
 pub use respond::{BumpOutcome, Direction, GainsOutcome, RespondOutcome, respond};
 pub use ride::{Infinite, RideOutcome, RideSpectra, Rms, ride};

@@ -220,24 +220,31 @@ fn pattern(vehicle: &Vehicle, direction: Direction) -> Result<Vec<f64>, StudyErr
         0.5 * (at.clone().fold(f64::NEG_INFINITY, f64::max) + at.fold(f64::INFINITY, f64::min))
     };
     let (mx, my) = (middle(0), middle(1));
-    let heights: Vec<f64> = wheels
-        .iter()
-        .map(|w| {
-            let (x, y) = (w.at_m[0] - mx, w.at_m[1] - my);
-            match direction {
-                Direction::Heave => 1.0,
-                Direction::Pitch => -x,
-                Direction::Roll => y,
-                Direction::Warp => (x * y).signum() * f64::from(u8::from(x * y != 0.0)),
-            }
-        })
-        .collect();
-    let largest = heights.iter().map(|h| h.abs()).fold(0.0, f64::max);
+    let heights_of = |direction: Direction| -> (Vec<f64>, f64) {
+        let heights: Vec<f64> = wheels
+            .iter()
+            .map(|w| {
+                let (x, y) = (w.at_m[0] - mx, w.at_m[1] - my);
+                match direction {
+                    Direction::Heave => 1.0,
+                    Direction::Pitch => -x,
+                    Direction::Roll => y,
+                    Direction::Warp => (x * y).signum() * f64::from(u8::from(x * y != 0.0)),
+                }
+            })
+            .collect();
+        let largest = heights.iter().map(|h| h.abs()).fold(0.0, f64::max);
+        (heights, largest)
+    };
+    let (heights, largest) = heights_of(direction);
     if !(largest > 0.0) {
+        let name = |d: Direction| format!("{d:?}").to_lowercase();
+        let all = [Direction::Heave, Direction::Pitch, Direction::Roll, Direction::Warp];
+        let own: Vec<String> = all.into_iter().filter(|d| heights_of(*d).1 > 0.0).map(name).collect();
         return Err(StudyError::Setting {
             field: "direction",
-            expected: "a direction that the vehicle's wheels have".into(),
-            found: format!("{direction:?}").to_lowercase(),
+            expected: format!("a direction that the vehicle's wheels have ({})", own.join(", ")),
+            found: name(direction),
         });
     }
     Ok(heights.into_iter().map(|h| h / largest).collect())

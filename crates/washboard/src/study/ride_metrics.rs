@@ -3,6 +3,7 @@
 use super::{Flag, Named, ResponseGroup, StudyError};
 use crate::lti::{Continuous, LtiError, StateSpace};
 use crate::metrics::{ActuatorPower, MetricsError, Weighting, exceedance, reactions};
+use crate::units::plain;
 use crate::vehicle::{Output, Ride, RideError, Variance, Vehicle};
 use serde::{Deserialize, Serialize};
 
@@ -21,7 +22,7 @@ const SEATS: [(&str, &str); 2] =
 /// k of a seat's rotations, m/rad: ISO 2631-1, 8.2.2.1.
 const SEAT_TURNS: [(&str, f64); 2] = [("pitch_acceleration", 0.4), ("roll_acceleration", 0.63)];
 
-/// Metrics of a vehicle on a road at a speed, passive or with a controller. What is infinite on this road is left out.
+/// Metrics of a vehicle on a road at a speed, passive or with a controller. What is infinite on this road is in `infinite` alone.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct RideMetrics {
     /// Frequency-weighted accelerations of the body, by output.
@@ -41,6 +42,9 @@ pub struct RideMetrics {
     /// Over a bump.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub bump: Option<super::BumpMetrics>,
+    /// Outputs whose metrics are infinite on this road, and why.
+    #[serde(default, skip_serializing_if = "Named::is_empty")]
+    pub infinite: Named<String>,
 }
 
 /// A weighted rms of ISO 2631-1.
@@ -145,7 +149,7 @@ pub(super) fn check_stroke(field: &'static str, stroke_m: Option<f64>) -> Result
         Some(s) => Err(StudyError::Setting {
             field,
             expected: "a stroke to either side of where the suspension rests, 1e-6 to 100 m".into(),
-            found: format!("{s:e}"),
+            found: plain(s),
         }),
     }
 }
@@ -161,20 +165,34 @@ pub(super) fn long_stroke(stroke_m: Option<f64>) -> Option<Flag> {
 impl RideMetrics {
     /// Of a ride; the bump is another matter.
     pub(super) fn of(ride: &Ride<'_>, judged: &Judged<'_>) -> Result<Self, RideMetricsError> {
-        let weighted = weighted(ride, judged.vehicle)?;
+        let mut infinite = Named::default();
+        let weighted = weighted(ride, judged.vehicle, &mut infinite)?;
         Ok(RideMetrics {
-            vibration_total: vibration_total(&weighted),
+            vibration_total: vibration_total(&weighted, &infinite),
             weighted,
-            tire_load: tire_load(ride, judged.vehicle)?,
-            travel: travel(ride, judged)?,
+            tire_load: tire_load(ride, judged.vehicle, &mut infinite)?,
+            travel: travel(ride, judged, &mut infinite)?,
             actuator: if judged.controlled { actuators(ride, judged.vehicle)? } else { Named::default() },
             bump: None,
+            infinite,
         })
     }
 }
 
+/// The rms of an output; why it is infinite goes to the list of those.
+fn finite(variance: Variance, output: &Output, infinite: &mut Named<String>) -> Option<f64> {
+    if let Variance::Infinite(why) = variance {
+        infinite.insert(&output.name, why.to_owned());
+    }
+    variance.rms()
+}
+
 /// W_k of every vertical acceleration of the body, W_e of pitch and roll.
-fn weighted(ride: &Ride<'_>, vehicle: &Vehicle) -> Result<Named<WeightedAcceleration>, RideMetricsError> {
+fn weighted(
+    ride: &Ride<'_>,
+    vehicle: &Vehicle,
+    infinite: &mut Named<String>,
+) -> Result<Named<WeightedAcceleration>, RideMetricsError> {
     let weighting = |o: &Output| match o.unit {
         _ if ResponseGroup::of(&o.name) != ResponseGroup::Comfort || o.name.starts_with("chassis") => None,
         "m/s²" => Some(Weighting::Wk),
@@ -188,7 +206,7 @@ fn weighted(ride: &Ride<'_>, vehicle: &Vehicle) -> Result<Named<WeightedAccelera
     let variances = ride.filtered_variances(&outputs, &behind)?;
     let each = outputs.iter().zip(&weightings).zip(variances);
     let one = |((o, w), v): ((&&Output, &Weighting), Variance)| {
-        let rms = v.rms()?;
+        let rms = finite(v, o, infinite)?;
         // of a wheel's corner there is no seat
         let seat = *w == Weighting::Wk && o.base == o.name;
         let words = if seat { reactions(rms) } else { vec![] };
@@ -200,9 +218,15 @@ fn weighted(ride: &Ride<'_>, vehicle: &Vehicle) -> Result<Named<WeightedAccelera
 }
 
 /// Of the driver's seat where there is one, else of the centre of gravity.
-fn vibration_total(weighted: &Named<WeightedAcceleration>) -> Option<VibrationTotal> {
+fn vibration_total(
+    weighted: &Named<WeightedAcceleration>,
+    infinite: &Named<String>,
+) -> Option<VibrationTotal> {
     let (at, vertical) = SEATS.into_iter().find(|(_, name)| weighted.get(name).is_some())?;
     let axes = std::iter::once((vertical, 1.0)).chain(SEAT_TURNS);
+    if axes.clone().any(|(name, _)| infinite.get(name).is_some()) {
+        return None;
+    }
     let found: Vec<(&str, f64)> =
         axes.filter_map(|(name, k)| Some((name, k * weighted.get(name)?.rms))).collect();
     let rms = found.iter().map(|(_, v)| v * v).sum::<f64>().sqrt();
@@ -211,7 +235,11 @@ fn vibration_total(weighted: &Named<WeightedAcceleration>) -> Option<VibrationTo
 }
 
 /// Dynamic over static force of every tire that has both.
-fn tire_load(ride: &Ride<'_>, vehicle: &Vehicle) -> Result<Named<TireLoad>, RideMetricsError> {
+fn tire_load(
+    ride: &Ride<'_>,
+    vehicle: &Vehicle,
+    infinite: &mut Named<String>,
+) -> Result<Named<TireLoad>, RideMetricsError> {
     let forces: Vec<&Output> = vehicle.outputs().iter().filter(|o| o.base == "tire_force").collect();
     // without forces, or a stiffness that holds the vehicle, there is no static load
     let Some(rest) = (!forces.is_empty()).then(|| vehicle.at_rest(&forces).ok()).flatten() else {
@@ -220,14 +248,18 @@ fn tire_load(ride: &Ride<'_>, vehicle: &Vehicle) -> Result<Named<TireLoad>, Ride
     let variances = ride.variances(&forces)?;
     let one = |((o, rest), v): ((&&Output, f64), Variance)| {
         // force on the wheel counts upwards as the deflection that makes it: a load is negative
-        let (static_n, rms_n) = (-rest, v.rms()?);
+        let (static_n, rms_n) = (-rest, finite(v, o, infinite)?);
         let load = TireLoad { static_n, rms_n, coefficient: rms_n / static_n };
         (static_n > 0.0).then(|| (o.name.clone(), load))
     };
     Ok(forces.iter().zip(rest).zip(variances).filter_map(one).collect())
 }
 
-fn travel(ride: &Ride<'_>, judged: &Judged<'_>) -> Result<Named<TravelUse>, RideMetricsError> {
+fn travel(
+    ride: &Ride<'_>,
+    judged: &Judged<'_>,
+    infinite: &mut Named<String>,
+) -> Result<Named<TravelUse>, RideMetricsError> {
     let travels = judged
         .vehicle
         .outputs()
@@ -240,7 +272,7 @@ fn travel(ride: &Ride<'_>, judged: &Judged<'_>) -> Result<Named<TravelUse>, Ride
     let variances = ride.variances(&both)?;
     let mut found = Named::default();
     for (i, (output, _)) in travels.iter().enumerate() {
-        let Some(rms_m) = variances[i].rms() else { continue };
+        let Some(rms_m) = finite(variances[i], output, infinite) else { continue };
         let mut used = TravelUse {
             rms_m,
             three_sigma_m: PEAK_SIGMAS * rms_m,

@@ -104,7 +104,8 @@ pub struct SweepPoint {
     pub hinf: Named<f64>,
     /// As multiples.
     pub hinf_relative: Named<f64>,
-    /// The loop's metrics, of the worst corner, where the design has `[metrics]`; the passive vehicle's where there is no loop.
+    /// The loop's metrics, of the worst corner, where the design has `[metrics]`; the passive vehicle's where there is no loop. What is
+    /// infinite or has not settled is left out.
     #[serde(default, skip_serializing_if = "Named::is_empty")]
     pub metrics: Named<f64>,
     /// Names of the design's warnings.
@@ -212,8 +213,12 @@ impl SweepPoint {
         (row.status, row.why, row.order) = (o.status.into(), o.why.clone(), o.order);
         row.objective = o.objective.clone();
         row.warnings = o.warnings.iter().map(|w| w.name.clone()).collect();
-        let metrics = o.metrics.iter().flat_map(|m| m.short_rows(&o.units));
-        row.metrics = metrics.filter_map(|r| Some((r.key, r.values[1].or(r.values[0])?))).collect();
+        if let Some(m) = &o.metrics {
+            // what has not settled, or is infinite, in the loop is nothing: never the passive vehicle's
+            let side = usize::from(m.closed.is_some());
+            let own = m.short_rows(&o.units).into_iter();
+            row.metrics = own.filter_map(|r| Some((r.key, r.values[side]?))).collect();
+        }
         row.controller = o.controller.as_ref().map(|_| file.to_owned());
         if let Some(closed) = &o.verified {
             let Measured { rms, h2, hinf, .. } = closed;

@@ -66,19 +66,25 @@ impl SweepOutcome {
                 Box::new(move |p| number(p.hinf_relative.get(name).copied())),
             ));
         }
-        let mut metrics: Vec<&str> = Vec::new();
-        for (name, _) in self.points.iter().flat_map(|p| p.metrics.iter()) {
-            if !metrics.contains(&name) {
-                metrics.push(name);
-            }
-        }
-        for name in metrics {
+        for name in self.metric_names() {
             columns.push((name.to_owned(), Box::new(move |p| number(p.metrics.get(name).copied()))));
         }
         columns.push(("warnings".into(), Box::new(|p| Cell::Text(p.warnings.join(" ")))));
         columns.push(("controller".into(), Box::new(|p| text(p.controller.as_ref()))));
         let rows = self.points.iter().map(|p| columns.iter().map(|(_, take)| take(p)).collect()).collect();
         SweepTable { columns: columns.into_iter().map(|(name, _)| name).collect(), rows }
+    }
+
+    /// Metrics of any point, in the order in which they first appear.
+    #[must_use]
+    pub fn metric_names(&self) -> Vec<&str> {
+        let mut names: Vec<&str> = Vec::new();
+        for (name, _) in self.points.iter().flat_map(|p| p.metrics.iter()) {
+            if !names.contains(&name) {
+                names.push(name);
+            }
+        }
+        names
     }
 
     /// Outputs of any point, in the order in which they first appear.

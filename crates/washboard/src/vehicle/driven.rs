@@ -80,7 +80,7 @@ impl Driven {
         let velocity = filter.of == Shapes::Velocity;
         // Height: x = [q, q̇, x_f]. Velocity: q̃ = q − T r replaces q, and only ṙ enters; T = K⁻¹K_w is where the
         // vehicle rests on a road that stands still.
-        let t = if velocity { vehicle.resting()? } else { Mat::zeros(n, w) };
+        let (t, t_size) = if velocity { resting(vehicle)? } else { (Mat::zeros(n, w), Mat::zeros(n, w)) };
         let size = 2 * n + nf;
         // r (height) or ṙ (velocity) is C x + D ξ; of a height filter ṙ = CA x + CB ξ (+ D ξ̇), r̈ = CA² x + CAB ξ (+ CB ξ̇ + D ξ̈)
         let own = (filter.c.clone(), filter.d.clone());
@@ -138,7 +138,9 @@ impl Driven {
                     match d {
                         0 => {
                             add(i, *v);
-                            height.iter_mut().enumerate().for_each(|(j, h)| h.add(v * t[(i, j)]));
+                            for (j, h) in height.iter_mut().enumerate() {
+                                *h = h.plus(Sum { value: t[(i, j)], size: t_size[(i, j)] }.times(*v));
+                            }
                         }
                         1 => {
                             add(n + i, *v);
@@ -205,6 +207,21 @@ impl Driven {
         });
         StateSpace::continuous(self.a.clone(), b, self.c.clone(), d)
     }
+}
+
+/// Where a vehicle rests on wheels' heights, T = K⁻¹K_w, and the size of what each entry is computed from, |K⁻¹| |K| |T|: a solution whose
+/// backward error is ε |K| is wrong by ε of that (Higham, Accuracy and Stability of Numerical Algorithms, 2nd ed., (7.25)). A wheel
+/// rests on its own height alone, and Gaussian elimination leaves 1e-17 of the other's: no size by itself, and rounding beside this one.
+pub(super) fn resting(vehicle: &Vehicle) -> Result<(Mat, Mat), LinalgError> {
+    let k = vehicle.system().k();
+    let t = solve(k, vehicle.wheel_stiffness())?;
+    let inverse = solve(k, &Mat::identity(k.nrows(), k.nrows()))?;
+    let size = magnitudes(&inverse) * magnitudes(k) * magnitudes(&t);
+    Ok((t, size))
+}
+
+fn magnitudes(m: &Mat) -> Mat {
+    Mat::from_fn(m.nrows(), m.ncols(), |i, j| m[(i, j)].abs())
 }
 
 /// Rows C A and C B of the derivative of C x; a coefficient that has cancelled is zero.

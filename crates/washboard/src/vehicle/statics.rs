@@ -8,28 +8,7 @@ use crate::linalg::{LinalgError, Mat, solve};
 /// Source: 3rd General Conference on Weights and Measures (1901).
 pub const GRAVITY_M_S2: f64 = 9.806_65;
 
-/// What rounding leaves where nothing is, over the largest of its row: some digits above the 1e-16 of one operation.
-const ROUNDING: f64 = 1e-12;
-
 impl Vehicle {
-    /// T = K⁻¹K_w: q at rest on a road of heights r is T r. A coordinate that a wheel does not move has 0 there and not what rounding
-    /// leaves of it: else it would follow that wheel's road for ever.
-    ///
-    /// # Errors
-    /// A K that can't be solved with.
-    pub(super) fn resting(&self) -> Result<Mat, LinalgError> {
-        let mut t = solve(self.system().k(), self.wheel_stiffness())?;
-        for i in 0..t.nrows() {
-            let most = (0..t.ncols()).map(|j| t[(i, j)].abs()).fold(0.0, f64::max);
-            for j in 0..t.ncols() {
-                if t[(i, j)].abs() <= ROUNDING * most {
-                    t[(i, j)] = 0.0;
-                }
-            }
-        }
-        Ok(t)
-    }
-
     /// Values of outputs at rest on a level road under the vehicle's weight, from the unloaded springs on.
     ///
     /// With all wheels lifted by 1 m the vehicle rises by e = K⁻¹K_w·1, and no spring feels it; a mass that rises with it weighs

@@ -5,7 +5,7 @@ use washboard::cases;
 use washboard::linalg::C64;
 use washboard::road::{Coherence, Road, Shapes, ShapingFilter, Spectrum};
 use washboard::units::Convention;
-use washboard::vehicle::{Output, Ride, Variance, Vehicle};
+use washboard::vehicle::{LeftRight, Output, Ride, Variance, Vehicle};
 
 fn finite(v: &[Variance]) -> Vec<f64> {
     v.iter().filter_map(|v| v.rms()).collect()
@@ -214,4 +214,30 @@ fn proper_height_and_differentiated_velocity() {
         assert!((a / b - 1.0).abs() < 1e-10, "{name}: {a} {b}");
     }
     assert!((rms(&velocity, "heave_displacement").unwrap() / 0.003_585_18 - 1.0).abs() < 1e-5);
+}
+
+/// A tire's deflection z_u − w rests at zero whatever the heights are, so that no stiffness may make it wander: what elimination leaves
+/// of the other wheel's height is rounding.
+#[test]
+fn no_stiffness_lets_a_tires_deflection_wander() {
+    let road = cases::road("turkay-white-velocity").unwrap();
+    let spec = cases::vehicle_spec("turkay-half-car").unwrap();
+    let mut before: Option<Vec<f64>> = None;
+    for k in 0..200 {
+        let mut spec = spec.clone();
+        let half = spec.half_car.as_mut().unwrap();
+        half.front.suspension_stiffness_n_per_m = LeftRight::Both(15_000.0 + 10.05 * f64::from(k));
+        let car = spec.build_alone().unwrap();
+        let names =
+            ["tire_deflection_front", "tire_deflection_rear", "tire_force_front", "suspension_travel_rear"];
+        let outputs = names.map(|n| car.output(n).unwrap());
+        let ride = Ride::new(&car, &road, 20.0).unwrap();
+        let rms = finite(&ride.variances(&outputs).unwrap());
+        assert_eq!(rms.len(), names.len(), "{} N/m", 15_000.0 + 10.05 * f64::from(k));
+        // .067 % of one stiffness moves no rms by more
+        if let Some(before) = before {
+            assert!(rms.iter().zip(&before).all(|(a, b)| (a / b - 1.0).abs() < 1e-3), "{rms:?} {before:?}");
+        }
+        before = Some(rms);
+    }
 }

@@ -2,7 +2,7 @@
 
 use super::ReproduceError;
 use super::context::{BOTH, Context, DAMPED, OVERDAMPED, TRAVEL, three};
-use super::item::Sheet;
+use super::item::{INPUT, Sheet};
 use super::{chapter_4_car, chapter_4_hybrid};
 
 /// Everything that §4.4 says in numbers.
@@ -35,7 +35,7 @@ fn designs(context: &Context, sheet: &mut Sheet) -> Result<(), ReproduceError> {
     let ratio = drop(1, both) / drop(0, context.lqg_rms(0.0, &BOTH)?[0]);
     sheet.within("ratio of the two drops", "2", ratio, (0.1, "\"about twice\"; designs with [y₁ y₂]"));
     let decades = [DAMPED / context.numbers.cs, OVERDAMPED / context.numbers.cs];
-    sheet.within("c_t of the realistic tire over c_s", "0.1", decades[0], (0.0, "an input"));
-    sheet.within("c_t of the overdamped tire over c_s", "2", decades[1], (0.0, "an input"));
+    sheet.within("c_t of the realistic tire over c_s", "0.1", decades[0], (0.0, INPUT));
+    sheet.within("c_t of the overdamped tire over c_s", "2", decades[1], (0.0, INPUT));
     Ok(())
 }

@@ -3,7 +3,7 @@
 use super::ReproduceError;
 use super::chapter_5_feedback::feedback;
 use super::context::{Context, SPEED_M_S};
-use super::item::{Check, Relation, Sheet};
+use super::item::{Check, INPUT, Relation, Sheet};
 use super::lmi_cars::{HalfCar, gain, h2, norms};
 use crate::cases;
 use crate::lti::{GeneralizedPlant, StateSpace};
@@ -88,7 +88,7 @@ pub(super) fn passive_gain(car: &HalfCar, ct: f64) -> Result<f64, ReproduceError
 /// §6.2: what tire damping does to the passive car, printed for figures 6.5–6.7 and again for 6.9–6.11.
 pub(super) fn passive(_: &Context, sheet: &mut Sheet) -> Result<(), ReproduceError> {
     let mu = (scale()? * scale()? / SPEED_M_S).sqrt();
-    sheet.within("μ of (6.20)", "0.0027", mu, (1e-15, "an input"));
+    sheet.within("μ of (6.20)", "0.0027", mu, (1e-15, INPUT));
     let (before, after) = (passive_rms(&PRINTED, 0.0)?, passive_rms(&PRINTED, UP_TO)?);
     let right = (passive_rms(&CORRECTED, 0.0)?, passive_rms(&CORRECTED, UP_TO)?);
     for (k, digits) in ["0.4", "0.6", "4.1", "4.2", "0.7", "0.6"].into_iter().enumerate() {

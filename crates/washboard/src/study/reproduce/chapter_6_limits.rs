@@ -2,7 +2,7 @@
 
 use super::ReproduceError;
 use super::context::Context;
-use super::item::{Axis, Curve, Relation, Sheet};
+use super::item::{Axis, Curve, INPUT, Relation, Sheet};
 use super::lmi_cars::outputs;
 use crate::cases;
 use crate::lti::GeneralizedPlant;
@@ -67,7 +67,7 @@ pub(super) fn table_1(_: &Context, sheet: &mut Sheet) -> Result<(), ReproduceErr
         ("l₁, m", "1.5", car.front_axle_m),
         ("l₂, m", "2.5", car.rear_axle_m),
     ] {
-        sheet.within(name, digits, found, (0.0, "an input"));
+        sheet.within(name, digits, found, (0.0, INPUT));
     }
     Ok(())
 }
@@ -75,8 +75,8 @@ pub(super) fn table_1(_: &Context, sheet: &mut Sheet) -> Result<(), ReproduceErr
 /// §6.1.1: the road's filter; §6.1.2: (6.12) attains the infimum (6.9); ratios of passive rms values.
 pub(super) fn section(_: &Context, sheet: &mut Sheet) -> Result<(), ReproduceError> {
     if let Spectrum::FirstOrder { gain, corner_rad_per_m } = cases::road(ROAD)?.spectrum() {
-        sheet.within("G̃: gain", "0.0195", *gain, (0.0, "an input"));
-        sheet.within("G̃: corner, rad/m", "0.0572", *corner_rad_per_m, (0.0, "an input"));
+        sheet.within("G̃: gain", "0.0195", *gain, (0.0, INPUT));
+        sheet.within("G̃: corner, rad/m", "0.0572", *corner_rad_per_m, (0.0, INPUT));
     }
     let order = plant(0.0, 20.0, PRINTED_ORDER)?.order();
     sheet.count("states: 8, of G̃ 1, of L 2", 11, order);

@@ -3,7 +3,7 @@
 use super::ReproduceError;
 use super::chapter_7_design::{DECAY, EXAMPLE, design, truncated};
 use super::context::{Context, SPEED_M_S};
-use super::item::{Relation, Sheet};
+use super::item::{INPUT, Relation, Sheet};
 use super::lmi_cars::{COMFORT, TIRE, TRAVEL, full_car, h2};
 use crate::cases;
 use crate::road::Spectrum;
@@ -41,7 +41,7 @@ pub(super) fn table_1(_: &Context, sheet: &mut Sheet) -> Result<(), ReproduceErr
         ("x_d, m", "0.32", x_d),
         ("y_d, m", "0.38", y_d),
     ] {
-        sheet.within(name, digits, found, (0.0, "an input"));
+        sheet.within(name, digits, found, (0.0, INPUT));
     }
     Ok(())
 }
@@ -49,8 +49,8 @@ pub(super) fn table_1(_: &Context, sheet: &mut Sheet) -> Result<(), ReproduceErr
 /// §7.1.1 and the sizes of §7.2: the road, the modes, states and unknowns.
 pub(super) fn section(_: &Context, sheet: &mut Sheet) -> Result<(), ReproduceError> {
     if let Spectrum::FirstOrder { gain, corner_rad_per_m } = cases::road("turkay-first-order")?.spectrum() {
-        sheet.within("b_w", "0.0195", *gain, (0.0, "an input"));
-        sheet.within("a_w, rad/m", "0.0572", *corner_rad_per_m, (0.0, "an input"));
+        sheet.within("b_w", "0.0195", *gain, (0.0, INPUT));
+        sheet.within("a_w, rad/m", "0.0572", *corner_rad_per_m, (0.0, INPUT));
         let text = "\"integrated white-noise, in particular for frequencies larger than 0.2 Hertz\"";
         sheet.printed("corner of (7.2) at 20 m/s, Hz", "0.2", hz(SPEED_M_S * corner_rad_per_m)).noted(text);
     }

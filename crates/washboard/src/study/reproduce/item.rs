@@ -6,6 +6,9 @@ use serde::{Deserialize, Serialize};
 /// Rounding of a decimal that is written in binary: nothing beside one unit of a printed place.
 const ROUNDING: f64 = 1e-9;
 
+/// The note of a number that the computation starts from: a source's parameter, read from the published vehicle or road.
+pub(super) const INPUT: &str = "an input";
+
 /// How a computed number is to stand to the published one.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
@@ -61,6 +64,12 @@ impl Check {
             None => text.to_owned(),
         });
         self
+    }
+
+    /// Whether it is a number that the computation starts from.
+    #[must_use]
+    pub fn is_input(&self) -> bool {
+        self.reference_note.as_deref().is_some_and(|n| n.split("; ").any(|part| part == INPUT))
     }
 
     /// Whether it agrees or the sources are at fault.

@@ -8,13 +8,20 @@ const DIGITS: usize = 5;
 
 /// `docs/errata.md`: one heading an erratum, what is printed, what is right, and a table of numbers.
 #[must_use]
-pub fn errata_markdown(errata: &[Erratum]) -> String {
+pub fn errata_markdown(errata: &[Erratum], left_out: &[String]) -> String {
     let mut text = String::from(
         "# Errata of the sources\n\
          E2–E8: Türkay, *Trade-offs in Automotive Active Suspension Design*; EP: De Filippis, Palmieri, Soria and Mangialardi, *System and source \
          identification from operational vehicle responses*. Made by `washboard reproduce -o DIR`, which computes every number below; \
          do not edit. An erratum without a table is one of print.\n",
     );
+    if !left_out.is_empty() {
+        let _ = write!(
+            text,
+            "\n**Not all of them**: left out by --quick, as their evidence takes long: {}.\n",
+            left_out.join(", ")
+        );
+    }
     for e in errata {
         let _ = write!(text, "\n## {}: {}\nPrinted: {}. Right: {}.\n", e.id, e.place, e.printed, e.right);
         if e.evidence.is_empty() {
@@ -51,7 +58,12 @@ mod tests {
             right: "b".into(),
             evidence: vec![Evidence { what: "|K|".into(), as_printed: 1.0, right: 2.0 }],
         };
-        let text = errata_markdown(&[e]);
+        assert!(
+            errata_markdown(&[], &["E0.2".into()])
+                .contains("left out by --quick, as their evidence takes long: E0.2.")
+        );
+        let text = errata_markdown(&[e], &[]);
+        assert!(!text.contains("--quick"), "{text}");
         assert!(text.contains("## E0.1: p\nPrinted: a. Right: b.\n\n| number"), "{text}");
         assert!(text.contains("| \\|K\\| | 1 | 2 |"), "{text}");
     }

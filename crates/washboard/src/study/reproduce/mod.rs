@@ -86,6 +86,9 @@ pub struct ReproduceOutcome {
     pub errata: Vec<Erratum>,
     /// Items that `quick` left out.
     pub skipped: Vec<String>,
+    /// Errata that `quick` left out, as their evidence takes long.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub skipped_errata: Vec<String>,
 }
 
 /// An item's name in words.
@@ -108,6 +111,29 @@ pub struct Counts {
     pub excused: usize,
     /// That do not, without an excuse.
     pub open: usize,
+    /// Of those that agree, inputs of the computation, as printed: parameters that a source states.
+    #[serde(default)]
+    pub inputs: usize,
+}
+
+impl Counts {
+    /// Computed numbers that agree, of how many: inputs of the computation are no result of it.
+    #[must_use]
+    pub fn computed(&self) -> [usize; 2] {
+        [self.agree - self.inputs, self.checks - self.inputs]
+    }
+
+    /// `4 of 6 computed numbers agree, 3 inputs as printed`.
+    #[must_use]
+    pub fn words(&self) -> String {
+        let [agree, of] = self.computed();
+        let inputs = match self.inputs {
+            0 => String::new(),
+            1 => ", 1 input as printed".to_owned(),
+            n => format!(", {n} inputs as printed"),
+        };
+        format!("{agree} of {of} computed numbers agree{inputs}")
+    }
 }
 
 /// Computes the items that a spec names, and says what was read.
@@ -115,7 +141,8 @@ pub struct Counts {
 /// # Errors
 /// A name that is none (with the nearest one); an item that cannot be computed.
 pub fn reproduce(spec: &ReproduceSpec) -> Result<(ReproduceOutcome, Vec<Input>), StudyError> {
-    let chosen = choose(&spec.items)?;
+    let asked = spec.items.iter().map(|name| resolved(name)).collect::<Result<Vec<String>, _>>()?;
+    let chosen = choose(&asked);
     let skipped: Vec<&Item> = chosen.iter().copied().filter(|i| spec.quick && i.slow).collect();
     let run: Vec<&Item> = chosen.iter().copied().filter(|i| !(spec.quick && i.slow)).collect();
     let failed = |item: &str| {
@@ -142,11 +169,13 @@ pub fn reproduce(spec: &ReproduceSpec) -> Result<(ReproduceOutcome, Vec<Input>),
             "P" => ("paper", None),
             n => ("thesis", Some(format!("thesis.ch-{n}"))),
         };
-        spec.items.is_empty() || spec.items.iter().any(|g| g == source || Some(g) == chapter.as_ref())
+        asked.is_empty() || asked.iter().any(|g| g == source || Some(g) == chapter.as_ref())
     };
-    let errata = errata::all()
+    let wanted = errata::all().into_iter().filter(|e| named(e.id) || whole(e.id));
+    let (late, shown): (Vec<_>, Vec<_>) = wanted.partition(|e| spec.quick && e.slow && !named(e.id));
+    let skipped_errata = late.iter().map(|e| e.id.to_owned()).collect();
+    let errata = shown
         .into_par_iter()
-        .filter(|e| (named(e.id) || whole(e.id)) && (named(e.id) || !(spec.quick && e.slow)))
         .map(|e| e.computed(&context).map_err(failed(e.id)))
         .collect::<Result<Vec<_>, _>>()?;
     let counts = Counts {
@@ -154,9 +183,11 @@ pub fn reproduce(spec: &ReproduceSpec) -> Result<(ReproduceOutcome, Vec<Input>),
         agree: items.iter().filter(|c| c.agrees).count(),
         excused: items.iter().filter(|c| !c.agrees && c.erratum.is_some()).count(),
         open: items.iter().filter(|c| !c.is_settled()).count(),
+        inputs: items.iter().filter(|c| c.agrees && c.is_input()).count(),
     };
     let skipped = skipped.iter().map(|i| i.name.to_owned()).collect();
-    Ok((ReproduceOutcome { items, titles, counts, figures, errata, skipped }, inputs(&run)?))
+    let outcome = ReproduceOutcome { items, titles, counts, figures, errata, skipped, skipped_errata };
+    Ok((outcome, inputs(&run)?))
 }
 
 /// Every erratum with its evidence: what `docs/errata.md` holds.
@@ -194,20 +225,54 @@ fn groups(name: &str) -> Vec<String> {
     std::iter::once(source.to_owned()).chain(chapter.filter(|_| source == "thesis")).collect()
 }
 
-fn choose(asked: &[String]) -> Result<Vec<&'static Item>, StudyError> {
-    let known = reproducible();
-    for name in asked {
-        if !known.contains(name) {
-            let near = nearest(name, known.iter().map(String::as_str));
-            let near = near.map_or_else(String::new, |n| format!(" (did you mean `{n}`?)"));
-            let expected = "the name of an item, thesis.ch-N, thesis or paper".to_owned();
-            return Err(StudyError::Setting { field: "ITEM", expected, found: format!("`{name}`{near}") });
+/// An item, chapter or source that can be asked for.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct Listed {
+    /// `thesis.ch-4`, `thesis.fig-4.3`.
+    pub name: String,
+    /// An item's title; how many items a chapter or source holds.
+    pub what: String,
+    /// Whether `--quick` leaves the item out.
+    pub slow: bool,
+}
+
+/// Sources, chapters and items, in the order of the sources; nothing is computed.
+#[must_use]
+pub fn reproducible_list() -> Vec<Listed> {
+    let one = |name: String| match ITEMS.iter().find(|i| i.name == name) {
+        Some(i) => Listed { name, what: i.title.to_owned(), slow: i.slow },
+        None => {
+            let n = ITEMS.iter().filter(|i| groups(i.name).contains(&name)).count();
+            Listed { name, what: format!("{n} items"), slow: false }
         }
+    };
+    reproducible().into_iter().map(one).collect()
+}
+
+/// The name of an item, chapter or source as it is asked for: `ch-4` is the thesis's, and a figure's panel (`thesis.fig-5.5-a`) is its figure.
+fn resolved(name: &str) -> Result<String, StudyError> {
+    let known = reproducible();
+    let figure = |n: &str| match n.rsplit_once('-') {
+        Some((figure, panel)) if panel.len() == 1 && panel.chars().all(|c| c.is_ascii_lowercase()) => {
+            figure.to_owned()
+        }
+        _ => n.to_owned(),
+    };
+    let ways = [name.to_owned(), figure(name), format!("thesis.{name}"), figure(&format!("thesis.{name}"))];
+    if let Some(found) = ways.into_iter().find(|n| known.contains(n)) {
+        return Ok(found);
     }
+    let near = nearest(name, known.iter().map(String::as_str));
+    let near = near.map_or_else(String::new, |n| format!(" (did you mean `{n}`?)"));
+    let expected = "the name of an item, thesis.ch-N, thesis or paper (reproduce --list has all)".to_owned();
+    Err(StudyError::Setting { field: "ITEM", expected, found: format!("`{name}`{near}") })
+}
+
+fn choose(asked: &[String]) -> Vec<&'static Item> {
     let wanted = |item: &&Item| {
         asked.is_empty() || asked.iter().any(|a| a == item.name || groups(item.name).contains(a))
     };
-    Ok(ITEMS.iter().filter(wanted).collect())
+    ITEMS.iter().filter(wanted).collect()
 }
 
 /// The published vehicle and road that the items start from.
@@ -274,10 +339,28 @@ mod tests {
     #[test]
     fn an_item_a_chapter_and_a_wrong_name() {
         let of = |names: &[&str]| choose(&names.iter().map(|n| (*n).to_owned()).collect::<Vec<_>>());
-        assert_eq!(of(&["thesis.fig-4.3"]).unwrap().len(), 1);
-        assert!(of(&["thesis.ch-3"]).unwrap().iter().all(|i| i.name.contains("-3.")));
-        assert_eq!(of(&[]).unwrap().len(), ITEMS.len());
-        let e = of(&["thesis.fig-43"]).unwrap_err().to_string();
+        assert_eq!(of(&["thesis.fig-4.3"]).len(), 1);
+        assert!(of(&["thesis.ch-3"]).iter().all(|i| i.name.contains("-3.")));
+        assert_eq!(of(&[]).len(), ITEMS.len());
+        let e = resolved("thesis.fig-43").unwrap_err().to_string();
         assert!(e.contains("`thesis.fig-43` (did you mean `thesis.fig-4.3`?)"), "{e}");
+    }
+
+    #[test]
+    fn a_chapter_and_a_panel_are_found_by_their_short_names() {
+        let of = |name: &str| resolved(name).unwrap();
+        assert_eq!(of("ch-4"), "thesis.ch-4");
+        assert_eq!([of("thesis.fig-5.5-a"), of("fig-5.5-b")], ["thesis.fig-5.5"; 2]);
+        assert_eq!([of("paper.fig-3"), of("paper")], ["paper.fig-3", "paper"]);
+        assert!(resolved("thesis.fig-99.1-a").is_err());
+    }
+
+    #[test]
+    fn the_list_counts_the_items_of_a_chapter() {
+        let list = reproducible_list();
+        let find = |name: &str| list.iter().find(|l| l.name == name).unwrap().clone();
+        let own = ITEMS.iter().filter(|i| i.name.contains("-3.") && i.name.starts_with("thesis")).count();
+        assert_eq!(find("thesis.ch-3").what, format!("{own} items"));
+        assert!(find("thesis.fig-2.1").slow && !find("thesis.fig-4.3").slow);
     }
 }

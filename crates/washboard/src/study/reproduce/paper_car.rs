@@ -2,7 +2,7 @@
 
 use super::ReproduceError;
 use super::context::Context;
-use super::item::{Axis, Curve, Sheet};
+use super::item::{Axis, Curve, INPUT, Sheet};
 use crate::cases;
 use crate::linalg::{C64, Mat};
 use crate::vehicle::{FullCar, LeftRight, Vehicle, VehicleSpec};
@@ -80,7 +80,7 @@ pub(super) fn table_1(_: &Context, sheet: &mut Sheet) -> Result<(), ReproduceErr
         ("c_ft, kN s/m", "0.150", kilo(front.tire_damping_n_s_per_m)),
         ("c_rt, kN s/m", "0.150", kilo(rear.tire_damping_n_s_per_m)),
     ] {
-        sheet.within(name, digits, found, (0.0, "an input"));
+        sheet.within(name, digits, found, (0.0, INPUT));
     }
     Ok(())
 }

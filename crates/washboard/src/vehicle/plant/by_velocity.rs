@@ -3,6 +3,7 @@
 use super::{CANCELLED, PlantError};
 use crate::linalg::{LinalgError, Mat, solve};
 use crate::lti::{Continuous, StateSpace};
+use crate::vehicle::driven::resting;
 use crate::vehicle::{Output, Vehicle};
 
 impl Vehicle {
@@ -16,15 +17,16 @@ impl Vehicle {
         let (mk, mc) = (over_m(self.system().k())?, over_m(self.system().c())?);
         let (mcw, mbu) =
             (over_m(self.wheel_damping())?, over_m(&self.actuator_columns(&(0..m).collect::<Vec<_>>()))?);
-        let t = self.resting()?;
+        let (t, t_size) = resting(self)?;
         // outputs' dependence on heights that stand still, and an orthonormal basis of it
         let p = outputs.len();
         let mut heights = Mat::zeros(p, w);
         for (i, o) in outputs.iter().enumerate() {
             for j in 0..w {
-                let from_q = o.q[0].iter().enumerate().map(|(k, v)| v * t[(k, j)]);
-                let terms: Vec<f64> = from_q.chain(o.r[0].get(j).copied()).collect();
-                let (sum, size) = terms.iter().fold((0.0, 0.0), |(s, a), v| (s + v, a + v.abs()));
+                let from_q =
+                    o.q[0].iter().enumerate().map(|(k, v)| (v * t[(k, j)], v.abs() * t_size[(k, j)]));
+                let terms = from_q.chain(o.r[0].get(j).map(|v| (*v, v.abs())));
+                let (sum, size) = terms.fold((0.0, 0.0), |(s, a), (v, size)| (s + v, a + size));
                 heights[(i, j)] = if f64::abs(sum) <= CANCELLED * size { 0.0 } else { sum };
             }
             if o.r[2].iter().any(|v| *v != 0.0) {
