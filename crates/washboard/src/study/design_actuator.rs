@@ -22,6 +22,8 @@ const STEP: f64 = 1.25;
 const HALVINGS: usize = 15;
 /// The approximated delay's error times the loop's gain, at most, wherever that gain is [`LEAST_GAIN`] or more.
 const DELAY_ERROR: f64 = 1e-3;
+/// Where no approximation at all is wrong by less than this share of it, there is none.
+const NO_DELAY: f64 = 1e-3;
 /// Orders of the delay's approximation: beyond the last one a delay is not looked at.
 const DELAY_ORDERS: std::ops::RangeInclusive<usize> = 2..=24;
 /// Where the loop's gain is below this, no phase brings it near 1: the delay need not be right there.
@@ -156,14 +158,20 @@ impl<'a> Loop<'a> {
         }
         let corner = rad_per_s(a.bandwidth_hz);
         let low_pass = |w: f64| 1.0 / (1.0 + (w / corner).powi(2 * a.order as i32)).sqrt();
-        let error = |order: usize| {
+        let largest = |of: &dyn Fn(f64) -> f64| {
             self.gains
                 .iter()
                 .map(|(w, gain)| (gain * low_pass(*w), *w))
                 .filter(|(gain, _)| *gain >= LEAST_GAIN)
-                .map(|(gain, w)| gain * pade_error(w * a.delay_s, order))
+                .map(|(gain, w)| gain * of(w * a.delay_s))
                 .fold(0.0, f64::max)
         };
+        // |1 − e^{−ix}| ≤ x: a delay as short as this is none, and its approximation's coefficients are beyond doubles
+        let none = largest(&|x| x);
+        if none <= NO_DELAY * DELAY_ERROR {
+            return (0, none);
+        }
+        let error = |order: usize| largest(&|x| pade_error(x, order));
         let last = *DELAY_ORDERS.end();
         let good = DELAY_ORDERS.map(|order| (order, error(order))).find(|(_, error)| *error <= DELAY_ERROR);
         good.unwrap_or_else(|| (last, error(last)))

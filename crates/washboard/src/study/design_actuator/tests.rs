@@ -149,6 +149,22 @@ fn a_delay_that_cannot_be_approximated_is_told() {
 }
 
 #[test]
+fn a_delay_that_nothing_notices_is_none() {
+    let goal = |delay_s: f64| {
+        let (_, outcome) = quarter(ActuatorSection { bandwidth_hz: 10.0, delay_s, order: 1 });
+        let found = outcome.robustness.unwrap().actuator.unwrap();
+        assert_eq!(found.stable, Some(true), "{delay_s:e}");
+        (found.goal.unwrap(), found.delay_order)
+    };
+    let none = goal(0.0);
+    for delay in [1e-300, 1e-20, 1e-15] {
+        assert_eq!(goal(delay), none, "{delay:e}");
+    }
+    let (short, order) = goal(1e-6);
+    assert!(order > 0 && (short / none.0 - 1.0).abs() < 1e-4, "{short} {none:?}");
+}
+
+#[test]
 fn the_error_of_a_delay_is_the_one_of_its_system() {
     for order in [2, 3, 7, 12] {
         for x in [0.3, 1.0, 2.5] {
