@@ -94,7 +94,7 @@ impl Room {
         g: &[f64],
         group: &[usize],
         groups: usize,
-        inside: &mut Vec<usize>,
+        inside: &mut [usize],
         lambda: &[f64],
     ) -> Option<&[f64]> {
         // of each group the largest first, in its groups' order

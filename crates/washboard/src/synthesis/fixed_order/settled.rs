@@ -51,8 +51,7 @@ pub(super) fn settled(
     results.insert(0, further(problem, &best, long));
     let mut last = None;
     let mut round = 0;
-    loop {
-        let Some(best) = results.first().cloned() else { break };
+    while let Some(best) = results.first().cloned() {
         let Ok((controller, values)) = verified(asked, problem, &best) else {
             // a pole on the axis but for rounding, a loop that is hardly well posed: no candidate
             results.remove(0);
