@@ -62,6 +62,14 @@ impl RealSchur {
         Ok(Self { q: Mat::zeros(0, 0), t: blocks }.eigenvalues())
     }
 
+    /// The eigenvalues of a square matrix that is 0 below its first subdiagonal already, row after row.
+    pub(crate) fn eigenvalues_of_hessenberg(rows: &[f64], order: usize) -> Result<Vec<C64>, LinalgError> {
+        let h = Mat::from_fn(order, order, |i, j| if i > j + 1 { 0.0 } else { rows[i * order + j] });
+        check_finite("A", &h)?;
+        let blocks = francis::diagonal_blocks_of_hessenberg(&h)?;
+        Ok(Self { q: Mat::zeros(0, 0), t: blocks }.eigenvalues())
+    }
+
     /// Order of the matrix.
     #[must_use]
     pub fn order(&self) -> usize {

@@ -100,7 +100,12 @@ pub(super) fn iterate(q: Mat, h: Mat) -> Result<(Mat, Mat), LinalgError> {
 /// The diagonal blocks of A's Schur form alone, in a matrix whose other entries mean nothing: no step is carried
 /// beyond the active block, a third of the work.
 pub(super) fn diagonal_blocks(a: &Mat) -> Result<Mat, LinalgError> {
-    let mut h = Flat::from(&reduced(a, None));
+    diagonal_blocks_of_hessenberg(&reduced(a, None))
+}
+
+/// The same of a Hessenberg matrix.
+pub(super) fn diagonal_blocks_of_hessenberg(h: &Mat) -> Result<Mat, LinalgError> {
+    let mut h = Flat::from(h);
     deflate_all(None, &mut h)?;
     Ok(h.into_mat())
 }

@@ -102,7 +102,7 @@ fn norm_from<T: Time>(
     last: (f64, f64),
     mut crossings: impl FnMut(f64) -> Result<Vec<f64>, LtiError>,
 ) -> Result<HinfNorm, LtiError> {
-    let mut gain = Gain::new(|w| responder.at_frequency(w));
+    let mut gain = Gain::new(|w| Ok(largest_singular_value(&responder.at_frequency(w)?)));
     if g.order() == 0 || g.inputs() == 0 || g.outputs() == 0 {
         let norm = largest_singular_value(&complex(g.d()));
         finite((0.0, norm))?;
@@ -179,7 +179,7 @@ fn confirmed(
     if !(best.0.is_finite() && best.1 > 0.0) {
         return (best, 0);
     }
-    let mut gain = Gain::new(plain);
+    let mut gain = Gain::new(|w| Ok(largest_singular_value(&plain(w)?)));
     let here = (best.0, gain.at(best.0));
     if (here.1 - best.1).abs() <= MOVED * best.1 || best.0 == 0.0 || best.0 == end {
         return (here, gain.evaluations);
@@ -205,7 +205,7 @@ fn raise(best: &mut (f64, f64), found: (f64, f64)) {
 }
 
 /// Climbs the highest of the values seen (the first at 0) that stand above their neighbours.
-fn climb_highest<F: Fn(f64) -> Result<CMat, LtiError>>(
+fn climb_highest<F: Fn(f64) -> Result<f64, LtiError>>(
     gain: &mut Gain<F>,
     seen: &[(Hint, f64)],
     end: f64,

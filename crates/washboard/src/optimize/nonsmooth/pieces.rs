@@ -36,8 +36,8 @@ pub trait Pieces: Sync {
     /// The pieces that are the largest at x and those near to it; none where the functions are not defined.
     fn pieces(&self, x: &[f64]) -> Option<Vec<SmoothPiece<Self::Id>>>;
 
-    /// Given pieces at another x: lower bounds of f or c there. Those that don't exist at x are left out.
-    fn again(&self, ids: &[&Self::Id], x: &[f64]) -> Vec<SmoothPiece<Self::Id>>;
+    /// Given pieces at another x, in their order: lower bounds of f or c there; none where one doesn't exist at x.
+    fn again(&self, ids: &[&Self::Id], x: &[f64]) -> Vec<Option<SmoothPiece<Self::Id>>>;
 
     /// How far two pieces are from being the same one as x moves: none where they can't be, 0 where they are.
     fn apart(&self, one: &Self::Id, other: &Self::Id) -> Option<f64>;

@@ -177,7 +177,7 @@ impl<'a, P: Pieces> State<'a, P> {
         let ids: Vec<&P::Id> = self.learnt[self.recalled_of..].iter().map(|l| &l.id).collect();
         if !ids.is_empty() {
             let new = self.problem.again(&ids, &self.x);
-            self.recalled.extend(new);
+            self.recalled.extend(new.into_iter().flatten());
             self.recalled_of = self.learnt.len();
         }
         let mut known = self.pieces.clone();
@@ -308,16 +308,21 @@ impl<'a, P: Pieces> State<'a, P> {
                 .min_by(|a, b| a.0.total_cmp(&b.0))
                 .map(|(_, p)| p.gradient.clone())
         };
+        // the peak that moves with x; pieces that are near none by themselves
+        let moving = held.iter().map(|i| nearest(*i, &self.pieces).zip(nearest(*i, &pieces)));
+        let mut changes: Vec<(usize, Option<(Vec<f64>, Vec<f64>)>)> =
+            held.iter().copied().zip(moving).collect();
+        let alone: Vec<&P::Id> =
+            changes.iter().filter(|(_, c)| c.is_none()).map(|(i, _)| &known[*i].id).collect();
+        if !alone.is_empty() {
+            let [before, after] = [&self.x, &next].map(|x| self.problem.again(&alone, x));
+            let pairs = before.into_iter().zip(after);
+            for ((_, change), (b, a)) in changes.iter_mut().filter(|(_, c)| c.is_none()).zip(pairs) {
+                *change = b.map(|p| p.gradient).zip(a.map(|p| p.gradient));
+            }
+        }
         let mut y = vec![0.0; n];
-        for i in held {
-            // the peak that moves with x; a piece that is near none by itself
-            let change = match (nearest(i, &self.pieces), nearest(i, &pieces)) {
-                (Some(before), Some(after)) => Some((before, after)),
-                _ => {
-                    let alone = |x: &[f64]| self.problem.again(&[&known[i].id], x).pop().map(|p| p.gradient);
-                    alone(&self.x).zip(alone(&next))
-                }
-            };
+        for (i, change) in changes {
             let Some((before, after)) = change else { continue };
             let weight = model.weights[i];
             y.iter_mut().zip(after.iter().zip(&before)).for_each(|(y, (a, b))| *y += weight * (a - b));

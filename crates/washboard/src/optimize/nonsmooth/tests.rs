@@ -26,7 +26,7 @@ impl Pieces for Largest {
             return None;
         }
         let ids: Vec<usize> = (0..self.of.len()).collect();
-        let all = self.again(&ids.iter().collect::<Vec<_>>(), x);
+        let all: Vec<_> = self.again(&ids.iter().collect::<Vec<_>>(), x).into_iter().flatten().collect();
         let top = |goal: bool| {
             let own = all.iter().filter(|p| (p.role == Role::Goal) == goal).map(|p| p.value);
             own.fold(f64::NEG_INFINITY, f64::max)
@@ -37,12 +37,12 @@ impl Pieces for Largest {
         Some(all.into_iter().filter(told).collect())
     }
 
-    fn again(&self, ids: &[&usize], x: &[f64]) -> Vec<SmoothPiece<usize>> {
+    fn again(&self, ids: &[&usize], x: &[f64]) -> Vec<Option<SmoothPiece<usize>>> {
         ids.iter()
             .map(|id| {
                 let (role, of) = self.of[**id];
                 let (value, gradient) = of(x);
-                SmoothPiece { id: **id, role, value, gradient }
+                Some(SmoothPiece { id: **id, role, value, gradient })
             })
             .collect()
     }

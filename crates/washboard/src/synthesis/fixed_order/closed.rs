@@ -1,7 +1,7 @@
 //! A plant with a controller of given order: the closed loop, and what its matrices gain from each entry.
 
 use crate::linalg::{Mat, solve};
-use crate::lti::{GeneralizedPlant, LtiError, blocks, cut};
+use crate::lti::{GeneralizedPlant, LtiError, blocks};
 
 /// A plant's blocks at hand.
 #[derive(Debug, Clone)]
@@ -88,22 +88,44 @@ impl Open {
             }
             turn = Some((left, right));
         }
-        let (ak, bk) = (cut(&k, 0, 0, order, order), cut(&k, 0, order, order, ny));
-        let (ck, dk) = (cut(&k, order, 0, nu, order), cut(&k, order, order, nu, ny));
-        let (b2d, d12d) = (&self.b2 * &dk, &self.d12 * &dk);
-        let a = blocks(&[&[&(&self.a + &b2d * &self.c2), &(&self.b2 * &ck)], &[&(&bk * &self.c2), &ak]]);
-        let b = blocks(&[&[&(&self.b1 + &b2d * &self.d21)], &[&(&bk * &self.d21)]]);
-        let c = blocks(&[&[&(&self.c1 + &d12d * &self.c2), &(&self.d12 * &ck)]]);
-        let d = &self.d11 + &d12d * &self.d21;
+        // entry by entry: at this size a product's call costs more than its arithmetic
+        let all = n + order;
+        let (b2d, d12d) = (along(&self.b2, &k, order, ny), along(&self.d12, &k, order, ny));
+        let a = Mat::from_fn(all, all, |i, j| match (i < n, j < n) {
+            (true, true) => self.a[(i, j)] + dot(ny, |y| b2d[(i, y)] * self.c2[(y, j)]),
+            (true, false) => dot(nu, |u| self.b2[(i, u)] * k[(order + u, j - n)]),
+            (false, true) => dot(ny, |y| k[(i - n, order + y)] * self.c2[(y, j)]),
+            (false, false) => k[(i - n, j - n)],
+        });
+        let b = Mat::from_fn(all, self.b1.ncols(), |i, w| {
+            if i < n {
+                self.b1[(i, w)] + dot(ny, |y| b2d[(i, y)] * self.d21[(y, w)])
+            } else {
+                dot(ny, |y| k[(i - n, order + y)] * self.d21[(y, w)])
+            }
+        });
+        let c = Mat::from_fn(self.c1.nrows(), all, |z, j| {
+            if j < n {
+                self.c1[(z, j)] + dot(ny, |y| d12d[(z, y)] * self.c2[(y, j)])
+            } else {
+                dot(nu, |u| self.d12[(z, u)] * k[(order + u, j - n)])
+            }
+        });
+        let d = Mat::from_fn(c.nrows(), b.ncols(), |z, w| {
+            self.d11[(z, w)] + dot(ny, |y| d12d[(z, y)] * self.d21[(y, w)])
+        });
         let finite = |m: &Mat| m.nrows() == 0 || m.ncols() == 0 || m.norm_max().is_finite();
-        (n + order == a.nrows() && finite(&a) && finite(&b) && finite(&c) && finite(&d)).then_some(Closed {
-            a,
-            b,
-            c,
-            d,
-            turn,
-        })
+        (finite(&a) && finite(&b) && finite(&c) && finite(&d)).then_some(Closed { a, b, c, d, turn })
     }
+}
+
+/// M D_K of a block \[A_K, B_K; C_K, D_K\].
+fn along(m: &Mat, k: &Mat, order: usize, ny: usize) -> Mat {
+    Mat::from_fn(m.nrows(), ny, |i, y| dot(m.ncols(), |u| m[(i, u)] * k[(order + u, order + y)]))
+}
+
+fn dot(n: usize, of: impl Fn(usize) -> f64) -> f64 {
+    (0..n).map(of).sum()
 }
 
 impl Closed {

@@ -123,7 +123,9 @@ fn one_order(
     let mut led: Vec<Led> = if patient {
         begun.par_iter().map(|x| from(&problem, x, &short, false)).collect()
     } else {
-        race(&problem, &begun, &short, &[(10, begun.len().div_ceil(2)), (20, begun.len().div_ceil(3))])
+        // few starts are all searched from
+        let most = |share: usize| begun.len().div_ceil(share).max(KEPT);
+        race(&problem, &begun, &short, &[(10, most(2)), (20, most(3))])
     };
     // a plant that is hard to stabilise
     let stable = led.iter().filter(|l| matches!(l, Led::To(_))).count();

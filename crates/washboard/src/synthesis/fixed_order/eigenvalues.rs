@@ -27,10 +27,14 @@ enum Vectors {
 }
 
 impl Spectrum {
-    /// None where the QR steps do not end, or where eigenvectors are asked for that are no basis.
+    /// None where the QR steps do not end, or as [`Spectrum::of`].
     pub fn new(a: &Mat) -> Option<Self> {
+        Self::of(a, RealSchur::only_eigenvalues(a).ok()?)
+    }
+
+    /// Of eigenvalues that are known already. None where eigenvectors are asked for that are no basis.
+    pub fn of(a: &Mat, values: Vec<C64>) -> Option<Self> {
         let n = a.nrows();
-        let values = RealSchur::only_eigenvalues(a).ok()?;
         let most = values.iter().map(|v| v.norm()).fold(0.0, f64::max);
         let alike = |i: usize| (0..i).any(|j| (values[i] - values[j]).norm() <= ALIKE * most);
         if (0..n).any(alike) {

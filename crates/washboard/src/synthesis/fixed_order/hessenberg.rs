@@ -2,45 +2,79 @@
 
 use crate::linalg::{C64, Mat};
 
-/// A = Q H Qᵀ, H zero below its first subdiagonal.
+/// A = Q H Qᵀ, H zero below its first subdiagonal; row after row.
 pub(super) struct Hessenberg {
-    pub q: Mat,
-    pub h: Mat,
+    pub order: usize,
+    pub q: Vec<f64>,
+    pub h: Vec<f64>,
 }
 
 impl Hessenberg {
     /// By Householder reflections.
     pub fn new(a: &Mat) -> Self {
         let n = a.nrows();
-        let (mut h, mut q) = (a.clone(), Mat::identity(n, n));
+        let mut h: Vec<f64> = (0..n * n).map(|k| a[(k / n, k % n)]).collect();
+        let mut q: Vec<f64> = (0..n * n).map(|k| f64::from(u8::from(k / n == k % n))).collect();
+        let mut room = vec![0.0; 2 * n];
         for k in 0..n.saturating_sub(2) {
-            let norm = (k + 1..n).map(|i| h[(i, k)] * h[(i, k)]).sum::<f64>().sqrt();
-            if !(norm > 0.0) || (k + 2..n).all(|i| h[(i, k)] == 0.0) {
+            let (v, sums) = room.split_at_mut(n);
+            let v = &mut v[..n - k - 1];
+            v.iter_mut().enumerate().for_each(|(i, v)| *v = h[(k + 1 + i) * n + k]);
+            let norm = v.iter().map(|x| x * x).sum::<f64>().sqrt();
+            if !(norm > 0.0) || v[1..].iter().all(|x| *x == 0.0) {
                 continue;
             }
-            let alpha = -norm.copysign(h[(k + 1, k)]);
-            let mut v: Vec<f64> = (k + 1..n).map(|i| h[(i, k)]).collect();
+            let alpha = -norm.copysign(v[0]);
             v[0] -= alpha;
-            let size = v.iter().map(|x| x * x).sum::<f64>();
-            let tau = 2.0 / size;
-            for j in 0..n {
-                let s: f64 = v.iter().enumerate().map(|(i, x)| x * h[(k + 1 + i, j)]).sum();
-                v.iter().enumerate().for_each(|(i, x)| h[(k + 1 + i, j)] -= tau * s * x);
+            let tau = 2.0 / v.iter().map(|x| x * x).sum::<f64>();
+            // from the left: what is left of column k is known
+            let below = &mut h[(k + 1) * n..];
+            let sums = &mut sums[k..];
+            sums.fill(0.0);
+            for (x, row) in v.iter().zip(below.chunks_exact(n)) {
+                sums.iter_mut().zip(&row[k..]).for_each(|(s, h)| *s += x * h);
+            }
+            for (x, row) in v.iter().zip(below.chunks_exact_mut(n)) {
+                let f = tau * x;
+                row[k..].iter_mut().zip(&*sums).for_each(|(h, s)| *h -= f * s);
             }
             for m in [&mut h, &mut q] {
-                for i in 0..n {
-                    let s: f64 = v.iter().enumerate().map(|(j, x)| x * m[(i, k + 1 + j)]).sum();
-                    v.iter().enumerate().for_each(|(j, x)| m[(i, k + 1 + j)] -= tau * s * x);
+                for row in m.chunks_exact_mut(n) {
+                    let row = &mut row[k + 1..];
+                    let f = tau * v.iter().zip(&*row).map(|(x, m)| x * m).sum::<f64>();
+                    row.iter_mut().zip(&*v).for_each(|(m, x)| *m -= f * x);
                 }
             }
-            (k + 2..n).for_each(|i| h[(i, k)] = 0.0);
+            (k + 2..n).for_each(|i| h[i * n + k] = 0.0);
         }
-        Hessenberg { q, h }
+        Hessenberg { order: n, q, h }
     }
 
-    /// Q x.
-    pub fn back(&self, x: &[C64]) -> Vec<C64> {
-        (0..x.len()).map(|i| x.iter().enumerate().map(|(j, x)| *x * self.q[(i, j)]).sum()).collect()
+    /// Qᵀ B of B's rows one after another.
+    pub fn turned(&self, b: &Mat) -> Vec<f64> {
+        let (n, m) = (self.order, b.ncols());
+        let mut out = vec![0.0; n * m];
+        for (i, row) in self.q.chunks_exact(n.max(1)).enumerate() {
+            for (q, out) in row.iter().zip(out.chunks_exact_mut(m.max(1))) {
+                out.iter_mut().enumerate().for_each(|(j, o)| *o += q * b[(i, j)]);
+            }
+        }
+        out
+    }
+
+    /// C Q of C's rows one after another.
+    pub fn out_of(&self, c: &Mat) -> Vec<f64> {
+        let (n, p) = (self.order, c.nrows());
+        let mut out = vec![0.0; p * n];
+        for (r, out) in out.chunks_exact_mut(n.max(1)).enumerate() {
+            for (i, q) in self.q.chunks_exact(n.max(1)).enumerate() {
+                let c = c[(r, i)];
+                if c != 0.0 {
+                    out.iter_mut().zip(q).for_each(|(o, q)| *o += c * q);
+                }
+            }
+        }
+        out
     }
 }
 
@@ -130,14 +164,19 @@ mod tests {
             let any = |i: usize, j: usize, s: f64| ((5 * i * i + 7 * j + i * j) as f64 + s).sin();
             let a = Mat::from_fn(n, n, |i, j| any(i, j, 0.3));
             let form = Hessenberg::new(&a);
-            let back = &form.q * &form.h * form.q.transpose();
-            assert!((&back - &a).norm_l2() < 1e-13 * a.norm_l2());
+            let of = |rows: &[f64]| Mat::from_fn(n, n, |i, j| rows[i * n + j]);
+            let (q, h) = (of(&form.q), of(&form.h));
+            assert!((&q * &h * q.transpose() - &a).norm_l2() < 1e-13 * a.norm_l2());
+            assert!((&q * q.transpose() - Mat::identity(n, n)).norm_l2() < 1e-13);
+            assert!((2..n).all(|i| (0..i - 1).all(|j| h[(i, j)] == 0.0)));
+            assert!((of(&form.turned(&a)) - q.transpose() * &a).norm_l2() < 1e-13 * a.norm_l2());
+            assert!((of(&form.out_of(&a)) - &a * &q).norm_l2() < 1e-13 * a.norm_l2());
             let shift = C64::new(0.2, 1.3);
             let entry = |m: &Mat, i: usize, j: usize| {
                 C64::new(-m[(i, j)], 0.0) + if i == j { shift } else { C64::new(0.0, 0.0) }
             };
-            let mut factors: Vec<C64> = (0..n * n).map(|k| entry(&form.h, k / n, k % n)).collect();
-            let plain = CMat::from_fn(n, n, |i, j| entry(&form.h, i, j));
+            let mut factors: Vec<C64> = (0..n * n).map(|k| entry(&h, k / n, k % n)).collect();
+            let plain = CMat::from_fn(n, n, |i, j| entry(&h, i, j));
             let mut pivots = vec![0; n];
             assert!(lu(&mut factors, &mut pivots));
             let b: Vec<C64> = (0..2 * n).map(|k| C64::new(any(k, 1, 0.0), any(k, 2, 1.0))).collect();

@@ -152,8 +152,8 @@ pub(super) fn describe(
         let of_target = || best.active.iter().filter(|(p, _)| p.id.target == k && !has_room);
         let mut active_rad_s: Vec<f64> = of_target()
             .filter(|(_, w)| *w >= ACTIVE * all)
-            .filter_map(|(p, _)| match p.id.of {
-                Of::Peak { omega, .. } => Some(omega),
+            .filter_map(|(p, _)| match &p.id.of {
+                Of::Peak(peak) => Some(peak.omega),
                 _ => None,
             })
             .collect();

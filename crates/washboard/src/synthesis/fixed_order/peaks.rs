@@ -5,6 +5,7 @@ use super::resolvent::Resolvent;
 use super::targets::Channel;
 use crate::linalg::{C64, CMat};
 use crate::lti::norms::peak::{Gain, largest_singular_value};
+use std::sync::Arc;
 
 /// Peaks count that are within this of the highest, in ln.
 const NEAR: f64 = 0.4;
@@ -41,7 +42,7 @@ pub(super) fn find(
     channels: &[(usize, &Channel, f64, bool)],
     poles: &[C64],
     more: &[f64],
-) -> Option<Vec<(usize, Vec<Peak>)>> {
+) -> Option<Vec<(usize, Vec<Arc<Peak>>)>> {
     let omegas = places(poles, more);
     let mut t = Vec::new();
     let mut heights = vec![vec![0.0; omegas.len()]; channels.len()];
@@ -101,7 +102,7 @@ pub(super) fn find(
             if !resolvent.response(omega, &mut t) {
                 continue;
             }
-            directions(&part(&t, m, channel), omega, channel, resolvent.outputs(), m, &mut peaks);
+            directions(&t, omega, channel, resolvent.outputs(), m, &mut peaks);
         }
         found.push((*target, peaks));
     }
@@ -177,47 +178,60 @@ fn places(poles: &[C64], more: &[f64]) -> Vec<f64> {
 /// From a place that stands above its neighbours to the peak: frequency and height.
 fn climb(resolvent: &mut Resolvent, channel: &Channel, m: usize, omegas: &[f64], k: usize) -> (f64, f64) {
     let cell = std::cell::RefCell::new((resolvent, Vec::new()));
-    let mut gain = Gain::new(|w: f64| {
+    let mut along = Gain::new(|w: f64| {
         let (resolvent, t) = &mut *cell.borrow_mut();
         if resolvent.response(w, t) {
-            Ok(part(t, m, channel))
+            Ok(gain(t, m, channel))
         } else {
             let why = "a pole stands there";
             Err(crate::linalg::LinalgError::Singular { what: "G(s)", why, value: w }.into())
         }
     });
-    gain.flat = LEVEL;
-    let here = (omegas[k], gain.at(omegas[k]));
+    along.flat = LEVEL;
+    let here = (omegas[k], along.at(omegas[k]));
     if k == 0 || k + 1 == omegas.len() {
         return here;
     }
     let high = if omegas[k + 1].is_finite() { omegas[k + 1] } else { 10.0 * omegas[k] };
-    gain.climb(omegas[k - 1], here, high, 0.0)
+    along.climb(omegas[k - 1], here, high, 0.0)
 }
 
 /// The direction of one output's response: its own row's.
-fn along_the_row(g: &CMat, omega: f64, channel: &Channel, outputs: usize, inputs: usize) -> Option<Peak> {
-    let length = (0..g.ncols()).map(|j| g[(0, j)].norm_sqr()).sum::<f64>().sqrt();
+fn along_the_row(t: &[C64], omega: f64, channel: &Channel, outputs: usize, inputs: usize) -> Option<Peak> {
+    let (row, weight) = channel.outputs[0];
+    let t = &t[row * inputs..(row + 1) * inputs];
+    let all: Vec<usize>;
+    let columns = if channel.disturbances.is_empty() {
+        all = (0..inputs).collect();
+        &all
+    } else {
+        &channel.disturbances
+    };
+    let length = columns.iter().map(|j| t[*j].norm_sqr()).sum::<f64>().sqrt();
     if !(length > 0.0) {
         return None;
     }
     let mut u = vec![C64::new(0.0, 0.0); outputs];
     let mut v = vec![C64::new(0.0, 0.0); inputs];
-    let (row, weight) = channel.outputs[0];
     u[row] = C64::new(weight, 0.0);
-    for j in 0..g.ncols() {
-        let column = if channel.disturbances.is_empty() { j } else { channel.disturbances[j] };
-        v[column] = g[(0, j)].conj() / length;
-    }
+    columns.iter().for_each(|j| v[*j] = t[*j].conj() / length);
     Some(Peak { omega, u, v })
 }
 
 /// The largest singular values' directions, and mixtures of those that are alike.
-fn directions(g: &CMat, omega: f64, channel: &Channel, outputs: usize, inputs: usize, out: &mut Vec<Peak>) {
-    if g.nrows() == 1 {
-        out.extend(along_the_row(g, omega, channel, outputs, inputs));
+fn directions(
+    t: &[C64],
+    omega: f64,
+    channel: &Channel,
+    outputs: usize,
+    inputs: usize,
+    out: &mut Vec<Arc<Peak>>,
+) {
+    if channel.outputs.len() == 1 {
+        out.extend(along_the_row(t, omega, channel, outputs, inputs).map(Arc::new));
         return;
     }
+    let g = part(t, inputs, channel);
     let Ok(svd) = g.thin_svd() else { return };
     let (u, v, s) = (svd.U(), svd.V(), svd.S().column_vector());
     let count = s.nrows();
@@ -236,7 +250,7 @@ fn directions(g: &CMat, omega: f64, channel: &Channel, outputs: usize, inputs: u
                 full_v[column] += v[(j, *k)] * *z;
             }
         }
-        out.push(Peak { omega, u: full_u, v: full_v });
+        out.push(Arc::new(Peak { omega, u: full_u, v: full_v }));
     };
     let one = C64::new(1.0, 0.0);
     push(&[(0, one)]);

@@ -5,9 +5,9 @@ use super::eigenvalues::Spectrum;
 use super::h2_norm::h2_norm;
 use super::peaks::find;
 use super::problem::{Id, Kind, Of, Problem, Wanted};
-use super::resolvent::Resolvent;
+use super::resolvent::{Resolvent, form};
 use super::targets::Channel;
-use crate::linalg::{C64, Mat};
+use crate::linalg::{C64, Mat, RealSchur};
 use crate::optimize::{Pieces, Role, SmoothPiece};
 use std::sync::atomic::Ordering::Relaxed;
 
@@ -29,10 +29,11 @@ impl Problem {
         }
         let closed = self.close(plant, block)?;
         self.counters.eigenproblems.fetch_add(1, Relaxed);
-        let poles = if closed.a.nrows() == 0 {
-            Vec::new()
-        } else {
-            crate::linalg::RealSchur::only_eigenvalues(&closed.a).ok()?
+        let form = form(&closed);
+        let poles = match &form {
+            Some(f) => RealSchur::eigenvalues_of_hessenberg(&f.h, f.order).ok()?,
+            None if closed.a.nrows() == 0 => Vec::new(),
+            None => RealSchur::only_eigenvalues(&closed.a).ok()?,
         };
         if self.stable[plant] {
             let worst = poles.iter().map(|p| p.re).fold(f64::NEG_INFINITY, f64::max);
@@ -44,7 +45,6 @@ impl Problem {
         }
         let order = self.structure.order();
         let of_hinf = |t: &&usize| matches!(self.wanted[**t].kind, Kind::Hinf(_));
-        let mut resolvent = Resolvent::new(&self.opens[plant], &closed, order);
         let channels: Vec<(usize, &Channel, f64, bool)> = wants
             .iter()
             .filter(of_hinf)
@@ -54,15 +54,17 @@ impl Problem {
             })
             .collect();
         if !channels.is_empty() {
-            let found = find(&mut resolvent, &channels, &poles, &self.frequencies)?;
-            for (t, peaks) in found {
+            let mut resolvent = Resolvent::new(&self.opens[plant], &closed, order, form, self.room());
+            let found = find(&mut resolvent, &channels, &poles, &self.frequencies);
+            for (t, peaks) in found.iter().flatten() {
                 for peak in peaks {
-                    let id = Id { target: t, of: Of::Peak { omega: peak.omega, u: peak.u, v: peak.v } };
+                    let id = Id { target: *t, of: Of::Peak(peak.clone()) };
                     out.extend(self.peak_piece(&mut resolvent, &closed, id));
                 }
             }
+            self.done(resolvent);
+            found?;
         }
-        self.counters.factorisations.fetch_add(resolvent.counted, Relaxed);
         for t in wants {
             match &self.wanted[t].kind {
                 Kind::Hinf(_) => {}
@@ -76,8 +78,8 @@ impl Problem {
     }
 
     fn peak_piece(&self, resolvent: &mut Resolvent, closed: &Closed, id: Id) -> Option<SmoothPiece<Id>> {
-        let Of::Peak { omega, u, v } = &id.of else { return None };
-        let (value, zu, yw) = resolvent.derivative(*omega, u, v)?;
+        let Of::Peak(peak) = &id.of else { return None };
+        let (value, zu, yw) = resolvent.derivative(peak.omega, &peak.u, &peak.v)?;
         if !(value.re > 0.0 && value.re.is_finite()) {
             return None;
         }
@@ -112,7 +114,7 @@ impl Problem {
             return Some(Vec::new());
         }
         self.counters.eigenproblems.fetch_add(1, Relaxed);
-        let spectrum = Spectrum::new(&closed.a)?;
+        let spectrum = Spectrum::of(&closed.a, poles.to_vec())?;
         let mut all: Vec<(f64, usize)> = (0..spectrum.values.len())
             .filter(|k| spectrum.values[*k].im >= 0.0)
             .map(|k| (self.eigenvalue_height(wanted, spectrum.values[k]), k))
@@ -169,32 +171,42 @@ impl Pieces for Problem {
         Some(out)
     }
 
-    fn again(&self, ids: &[&Id], x: &[f64]) -> Vec<SmoothPiece<Id>> {
+    fn again(&self, ids: &[&Id], x: &[f64]) -> Vec<Option<SmoothPiece<Id>>> {
         let block = self.block(x);
-        let mut out = Vec::new();
+        let mut out = vec![None; ids.len()];
         for plant in 0..self.opens.len() {
-            let here: Vec<&&Id> = ids.iter().filter(|id| self.wanted[id.target].plant == plant).collect();
+            let here: Vec<usize> =
+                (0..ids.len()).filter(|k| self.wanted[ids[*k].target].plant == plant).collect();
             if here.is_empty() {
                 continue;
             }
             let Some(closed) = self.close(plant, &block) else { continue };
-            let mut resolvent = Resolvent::new(&self.opens[plant], &closed, self.structure.order());
+            let mut resolvent = None;
             let mut spectrum = None;
-            for id in here {
-                match &id.of {
-                    Of::Peak { .. } => out.extend(self.peak_piece(&mut resolvent, &closed, (*id).clone())),
-                    Of::Smooth => out.extend(self.h2_piece(id.target, &closed)),
+            for k in here {
+                let id = ids[k];
+                out[k] = match &id.of {
+                    Of::Peak(_) => {
+                        let r = resolvent.get_or_insert_with(|| {
+                            let order = self.structure.order();
+                            Resolvent::new(&self.opens[plant], &closed, order, form(&closed), self.room())
+                        });
+                        self.peak_piece(r, &closed, id.clone())
+                    }
+                    Of::Smooth => self.h2_piece(id.target, &closed),
                     Of::Eigenvalue(value) => {
                         if spectrum.is_none() {
                             spectrum = Spectrum::new(&closed.a);
                         }
-                        let Some(s) = &spectrum else { continue };
-                        let k = s.nearest(*value);
-                        out.extend(k.and_then(|k| self.eigenvalue_piece(id.target, &closed, s, k)));
+                        spectrum
+                            .as_ref()
+                            .and_then(|s| self.eigenvalue_piece(id.target, &closed, s, s.nearest(*value)?))
                     }
-                }
+                };
             }
-            self.counters.factorisations.fetch_add(resolvent.counted, Relaxed);
+            if let Some(r) = resolvent {
+                self.done(r);
+            }
         }
         out
     }
@@ -208,10 +220,11 @@ impl Pieces for Problem {
             (Of::Eigenvalue(a), Of::Eigenvalue(b)) => {
                 Some((a - b).norm() / a.norm().max(b.norm()).max(1e-300))
             }
-            (Of::Peak { omega: a, u: p, .. }, Of::Peak { omega: b, u: q, .. }) => {
+            (Of::Peak(a), Of::Peak(b)) => {
                 let norm = |z: &[C64]| z.iter().map(|z| z.norm_sqr()).sum::<f64>().sqrt();
+                let (p, q) = (&a.u, &b.u);
                 let along = p.iter().zip(q).map(|(p, q)| p.conj() * q).sum::<C64>() / (norm(p) * norm(q));
-                let ratio = match (*a, *b) {
+                let ratio = match (a.omega, b.omega) {
                     (a, b) if a == b => 0.0,
                     (a, b) if a == 0.0 || b == 0.0 || a.is_infinite() || b.is_infinite() => f64::INFINITY,
                     (a, b) => (a / b).ln().abs(),

@@ -3,6 +3,8 @@
 use super::closed::{Closed, Open};
 use super::eigenvalues::Spectrum;
 use super::h2_norm::moved_resolvent;
+use super::peaks::Peak;
+use super::resolvent::{Resolvent, Room};
 use super::scales::Scales;
 use super::structure::Structure;
 use super::targets::{Aim, Channel, Measure, Target};
@@ -10,6 +12,7 @@ use crate::linalg::{C64, Mat};
 use crate::lti::GeneralizedPlant;
 use crate::optimize::{Role, SmoothPiece};
 use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
+use std::sync::{Arc, Mutex};
 
 /// The margin is aimed at with this more, a share of the pace.
 pub(super) const BEYOND: f64 = 2e-6;
@@ -33,8 +36,8 @@ pub(super) struct Id {
 /// What it is.
 #[derive(Debug, Clone)]
 pub(super) enum Of {
-    /// Re uᴴT(iω)v.
-    Peak { omega: f64, u: Vec<C64>, v: Vec<C64> },
+    /// Re uᴴT(iω)v; shared, as pieces are copied more often than they are made.
+    Peak(Arc<Peak>),
     /// A norm that is smooth itself.
     Smooth,
     /// The eigenvalue nearest to this.
@@ -76,6 +79,8 @@ pub(super) struct Problem {
     /// |λ| of new states of a controller: where the margin and the controller's limits leave room.
     pub own_poles: (f64, f64),
     pub counters: Counters,
+    /// What evaluations that have ended leave for the next ones.
+    rooms: Mutex<Vec<Room>>,
 }
 
 impl Problem {
@@ -144,6 +149,7 @@ impl Problem {
             own_poles: own_poles(margin, limits.0),
             margin,
             counters: Counters::default(),
+            rooms: Mutex::default(),
         }
     }
 
@@ -177,6 +183,19 @@ impl Problem {
     pub fn close(&self, plant: usize, block: &Mat) -> Option<Closed> {
         self.counters.loops.fetch_add(1, Relaxed);
         self.opens[plant].close(block, self.structure.order())
+    }
+
+    /// Room for a loop's factorisations.
+    pub fn room(&self) -> Room {
+        self.rooms.lock().ok().and_then(|mut rooms| rooms.pop()).unwrap_or_default()
+    }
+
+    /// Counts what was factored, and keeps the room for the next loop.
+    pub fn done(&self, resolvent: Resolvent) {
+        self.counters.factorisations.fetch_add(resolvent.counted, Relaxed);
+        if let Ok(mut rooms) = self.rooms.lock() {
+            rooms.push(resolvent.into_room());
+        }
     }
 
     /// The largest real part over all plants, in units of their pace, and its gradient.

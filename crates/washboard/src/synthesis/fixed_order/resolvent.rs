@@ -19,97 +19,136 @@ fn kept(n: usize) -> usize {
 }
 
 /// A loop's matrices in slices, row after row, with room to work in.
-pub(super) struct Resolvent<'a> {
-    open: &'a Open,
+pub(super) struct Resolvent {
     order: usize,
     n: usize,
     m: usize,
     p: usize,
+    nu: usize,
+    ny: usize,
     a: Vec<f64>,
     b: Vec<f64>,
     c: Vec<f64>,
     d: Vec<f64>,
+    /// What a controller's entry sees of the states, and what of the outputs: zu = `into` left + D₁₂ᵀu.
+    to_controls: Vec<f64>,
+    d12: Vec<f64>,
+    /// And yw = `out` right + D₂₁v.
+    from_states: Vec<f64>,
+    d21: Vec<f64>,
+    room: Room,
+    /// Which one is written next when no more are kept.
+    next: usize,
+    /// Factorisations.
+    pub counted: usize,
+    in_form: bool,
+}
+
+/// What a loop's factorisations are kept in: another loop's can be kept there after it.
+#[derive(Debug, Default)]
+pub(super) struct Room {
     /// One after another, each at its frequency; none where it is singular.
     factors: Vec<C64>,
     pivots: Vec<usize>,
     at: Vec<(f64, bool)>,
-    /// Which one is written next when no more are kept.
-    next: usize,
     x: Vec<C64>,
-    /// Factorisations.
-    pub counted: usize,
-    hessenberg: Option<Hessenberg>,
 }
 
-impl<'a> Resolvent<'a> {
-    pub fn new(open: &'a Open, closed: &Closed, order: usize) -> Self {
+/// The loop's matrix in Hessenberg form, where that pays.
+pub(super) fn form(closed: &Closed) -> Option<Hessenberg> {
+    (closed.a.nrows() >= LARGE).then(|| Hessenberg::new(&closed.a))
+}
+
+impl Resolvent {
+    pub fn new(open: &Open, closed: &Closed, order: usize, form: Option<Hessenberg>, mut room: Room) -> Self {
         let (n, m, p) = (closed.a.nrows(), closed.b.ncols(), closed.c.nrows());
         let rows = |x: &Mat| -> Vec<f64> {
             (0..x.nrows() * x.ncols()).map(|k| x[(k / x.ncols(), k % x.ncols())]).collect()
         };
-        let hessenberg = (n >= LARGE).then(|| Hessenberg::new(&closed.a));
-        let (mut b, mut c) = (rows(&closed.b), rows(&closed.c));
-        if let Some(h) = &hessenberg {
-            b = rows(&(h.q.transpose() * &closed.b));
-            c = rows(&(&closed.c * &h.q));
-        }
+        let np = n - order;
+        let (nu, ny) = (open.b2.ncols(), open.c2.nrows());
+        // the controller's states, then what its outputs do and its inputs see
+        let own = |i: usize, j: usize| f64::from(u8::from(i + np == j));
+        let seen = Mat::from_fn(order + ny, n, |i, j| match (i < order, j < np) {
+            (true, _) => own(i, j),
+            (false, true) => open.c2[(i - order, j)],
+            (false, false) => 0.0,
+        });
+        let done = Mat::from_fn(order + nu, n, |i, j| match (i < order, j < np) {
+            (true, _) => own(i, j),
+            (false, true) => open.b2[(j, i - order)],
+            (false, false) => 0.0,
+        });
+        room.at.clear();
+        room.factors.clear();
+        room.pivots.clear();
+        room.x.clear();
+        room.x.resize(n * m, small::ZERO);
+        let in_form = form.is_some();
+        let (b, c, to_controls, from_states, a) = match form {
+            Some(f) => (f.turned(&closed.b), f.out_of(&closed.c), f.out_of(&done), f.out_of(&seen), f.h),
+            None => (rows(&closed.b), rows(&closed.c), rows(&done), rows(&seen), rows(&closed.a)),
+        };
         Resolvent {
-            open,
             order,
             n,
             m,
             p,
-            a: hessenberg.as_ref().map_or_else(|| rows(&closed.a), |h| rows(&h.h)),
+            nu,
+            ny,
+            a,
             b,
             c,
             d: rows(&closed.d),
-            factors: Vec::with_capacity(n * n * kept(n).min(LIKELY)),
-            pivots: Vec::with_capacity(n * LIKELY),
-            at: Vec::with_capacity(LIKELY),
+            to_controls,
+            d12: rows(&open.d12),
+            from_states,
+            d21: rows(&open.d21),
+            room,
             next: 0,
-            x: vec![small::ZERO; n * m],
             counted: 0,
-            hessenberg,
+            in_form,
         }
+    }
+
+    /// The room, for another loop.
+    pub fn into_room(self) -> Room {
+        self.room
     }
 
     /// Which of the factorisations kept is that at a frequency; none where it is singular.
     fn factor(&mut self, omega: f64) -> Option<usize> {
         let n = self.n;
-        if let Some(k) = self.at.iter().rposition(|(w, _)| *w == omega) {
-            return self.at[k].1.then_some(k);
+        if let Some(k) = self.room.at.iter().rposition(|(w, _)| *w == omega) {
+            return self.room.at[k].1.then_some(k);
         }
         let most = kept(n);
-        let k = if self.at.len() < most {
-            self.factors.resize(self.factors.len() + n * n, small::ZERO);
-            self.pivots.resize(self.pivots.len() + n, 0);
-            self.at.push((omega, false));
-            self.at.len() - 1
+        let k = if self.room.at.len() < most {
+            self.room.factors.resize(self.room.factors.len() + n * n, small::ZERO);
+            self.room.pivots.resize(self.room.pivots.len() + n, 0);
+            self.room.at.push((omega, false));
+            self.room.at.len() - 1
         } else {
             let oldest = self.next;
             self.next = (oldest + 1) % most;
             oldest
         };
-        let factors = &mut self.factors[k * n * n..(k + 1) * n * n];
-        let pivots = &mut self.pivots[k * n..(k + 1) * n];
+        let factors = &mut self.room.factors[k * n * n..(k + 1) * n * n];
+        let pivots = &mut self.room.pivots[k * n..(k + 1) * n];
         for (f, a) in factors.iter_mut().zip(&self.a) {
             *f = C64::new(-a, 0.0);
         }
         (0..n).for_each(|i| factors[i * n + i].im += omega);
         self.counted += 1;
-        let sound = if self.hessenberg.is_some() {
-            hessenberg::lu(factors, pivots)
-        } else {
-            small::lu(factors, pivots)
-        };
-        self.at[k] = (omega, sound);
+        let sound = if self.in_form { hessenberg::lu(factors, pivots) } else { small::lu(factors, pivots) };
+        self.room.at[k] = (omega, sound);
         sound.then_some(k)
     }
 
     /// Factors and pivots of one that is kept.
     fn kept(&self, k: usize) -> (&[C64], &[usize]) {
         let n = self.n;
-        (&self.factors[k * n * n..(k + 1) * n * n], &self.pivots[k * n..(k + 1) * n])
+        (&self.room.factors[k * n * n..(k + 1) * n * n], &self.room.pivots[k * n..(k + 1) * n])
     }
 
     pub fn outputs(&self) -> usize {
@@ -128,12 +167,12 @@ impl<'a> Resolvent<'a> {
             return true;
         }
         let Some(k) = self.factor(omega) else { return false };
-        let mut x = std::mem::take(&mut self.x);
+        let mut x = std::mem::take(&mut self.room.x);
         for (x, b) in x.iter_mut().zip(&self.b) {
             *x = C64::new(*b, 0.0);
         }
         let (factors, pivots) = self.kept(k);
-        if self.hessenberg.is_some() {
+        if self.in_form {
             hessenberg::solve(factors, pivots, &mut x, self.m);
         } else {
             small::lu_solve(factors, pivots, &mut x, self.m);
@@ -145,62 +184,51 @@ impl<'a> Resolvent<'a> {
                 }
             }
         }
-        self.x = x;
+        self.room.x = x;
         t.iter().all(|z| z.re.is_finite() && z.im.is_finite())
     }
 
     /// uᴴ T(iω) v, and its derivative by each entry of the block: (uᴴ T_zu)ᵢ (T_yw v)ⱼ. u is as long as all outputs, v as
     /// all disturbances. None on a pole.
     pub fn derivative(&mut self, omega: f64, u: &[C64], v: &[C64]) -> Option<(C64, Vec<C64>, Vec<C64>)> {
-        let (n, nk) = (self.n, self.order);
-        let np = n - nk;
-        let (nu, ny) = (self.open.b2.ncols(), self.open.c2.nrows());
-        let mut right = vec![small::ZERO; n];
-        let mut left = vec![small::ZERO; n];
-        let through: C64 = (0..self.p)
-            .map(|i| u[i].conj() * (0..self.m).map(|j| v[j] * self.d[i * self.m + j]).sum::<C64>())
-            .sum();
-        let mut value = through;
+        let (n, m) = (self.n, self.m);
+        let mut value: C64 =
+            (0..self.p).map(|i| u[i].conj() * (0..m).map(|j| v[j] * self.d[i * m + j]).sum::<C64>()).sum();
+        let (order, nu, ny) = (self.order, self.nu, self.ny);
+        let (mut zu, mut yw) = (vec![small::ZERO; order + nu], vec![small::ZERO; order + ny]);
         if omega < f64::INFINITY && n > 0 {
             let k = self.factor(omega)?;
             let (factors, pivots) = self.kept(k);
-            for (r, b) in right.iter_mut().zip(self.b.chunks_exact(self.m.max(1))) {
-                *r = b.iter().zip(v).map(|(b, v)| *v * *b).sum();
-            }
-            if self.hessenberg.is_some() {
+            let mut right: Vec<C64> =
+                self.b.chunks_exact(m.max(1)).map(|b| b.iter().zip(v).map(|(b, v)| *v * *b).sum()).collect();
+            right.resize(n, small::ZERO);
+            if self.in_form {
                 hessenberg::solve(factors, pivots, &mut right, 1);
             } else {
                 small::lu_solve(factors, pivots, &mut right, 1);
             }
+            let mut left = vec![small::ZERO; n];
             for (c, u) in self.c.chunks_exact(n).zip(u) {
                 left.iter_mut().zip(c).for_each(|(l, c)| *l += u.conj() * *c);
             }
             value += left.iter().zip(&right).map(|(l, r)| l * r).sum::<C64>();
-            match &self.hessenberg {
-                Some(h) => {
-                    hessenberg::solve_transposed(factors, pivots, &mut left);
-                    (left, right) = (h.back(&left), h.back(&right));
+            if self.in_form {
+                hessenberg::solve_transposed(factors, pivots, &mut left);
+            } else {
+                small::lu_solve_transposed(factors, pivots, &mut left, 1);
+            }
+            for (out, rows, x) in [(&mut zu, &self.to_controls, left), (&mut yw, &self.from_states, right)] {
+                for (out, row) in out.iter_mut().zip(rows.chunks_exact(n)) {
+                    *out = row.iter().zip(&x).map(|(r, x)| *x * *r).sum();
                 }
-                None => small::lu_solve_transposed(factors, pivots, &mut left, 1),
             }
         }
-        let o = self.open;
-        let zu: Vec<C64> = left[np..]
-            .iter()
-            .copied()
-            .chain((0..nu).map(|j| {
-                (0..np).map(|i| left[i] * o.b2[(i, j)]).sum::<C64>()
-                    + (0..self.p).map(|i| u[i].conj() * o.d12[(i, j)]).sum::<C64>()
-            }))
-            .collect();
-        let yw: Vec<C64> = right[np..]
-            .iter()
-            .copied()
-            .chain((0..ny).map(|i| {
-                (0..np).map(|j| right[j] * o.c2[(i, j)]).sum::<C64>()
-                    + (0..self.m).map(|j| v[j] * o.d21[(i, j)]).sum::<C64>()
-            }))
-            .collect();
+        for (j, z) in zu[order..].iter_mut().enumerate() {
+            *z += (0..self.p).map(|i| u[i].conj() * self.d12[i * nu + j]).sum::<C64>();
+        }
+        for (i, y) in yw[order..].iter_mut().enumerate() {
+            *y += (0..m).map(|j| v[j] * self.d21[i * m + j]).sum::<C64>();
+        }
         Some((value, zu, yw))
     }
 }
@@ -221,7 +249,7 @@ mod tests {
             (open.c1, open.c2) = (block(2, n), block(1, n));
             (open.d11, open.d12, open.d21) = (block(2, 2), block(2, 1), block(1, 2));
             let closed = open.close(&Mat::zeros(1, 1), 0).unwrap();
-            let mut resolvent = Resolvent::new(&open, &closed, 0);
+            let mut resolvent = Resolvent::new(&open, &closed, 0, form(&closed), Room::default());
             let mut t = Vec::new();
             let places: Vec<f64> = (0..MOST_KEPT + 20).map(|k| 0.1 * k as f64).collect();
             for round in 1..3 {

@@ -27,6 +27,8 @@ const ROUNDS: usize = 6;
 const MEDIUM: usize = 25;
 /// What is above the best by less than this (in ln) after these is searched to the end.
 const PROMISING: f64 = 1e-3;
+/// So many of a round's are.
+const FOLLOWED: usize = 2;
 /// Rounds of shaking without a gain of [`GAIN`] (in ln) that end it.
 const VAIN: usize = 2;
 const GAIN: f64 = 2e-5;
@@ -114,8 +116,10 @@ fn shaken(
                 r.goal < best.goal + PROMISING && r.violation <= MET + PROMISING * best.violation.max(MET);
             better(r, &best, MET) || (near && (r.goal - best.goal).abs() > GAIN)
         };
-        if let Some(r) = new.into_iter().find(promising) {
-            let r = further(problem, &r, long);
+        // the next one too: it costs no time where there is a second core
+        let next: Vec<BundleResult<Id>> = new.into_iter().filter(promising).take(FOLLOWED).collect();
+        let led: Vec<BundleResult<Id>> = next.par_iter().map(|r| further(problem, r, long)).collect();
+        for r in led {
             if better(&r, &best, MET) {
                 best = r;
             }

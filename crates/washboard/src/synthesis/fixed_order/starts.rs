@@ -11,6 +11,12 @@ use rand_distr::{Distribution, StandardNormal};
 /// Sizes of random starts.
 const SIZES: [f64; 8] = [0.3, 1.0, 0.1, 3.0, 0.3, 10.0, 1.0, 30.0];
 
+/// Where the pole of a state that is added stands, in decades above its usual place.
+const ADDED: [f64; 3] = [0.0, 1.0, -1.0];
+/// The same of a pair that oscillates: poles that are real hardly become one on the way.
+const OSCILLATING: [f64; 2] = [0.0, 0.7];
+/// Its damping.
+const LIGHT: f64 = 0.3;
 /// Decades, a standard deviation.
 const SPREAD: f64 = 1.0;
 /// How far a result is shaken, as a share of each number.
@@ -61,20 +67,43 @@ pub(super) fn around(x: &[f64], seed: u64) -> Vec<Vec<f64>> {
         .collect()
 }
 
-/// A controller made to fit: one with more states truncated, one with fewer given states that nothing reads yet.
-pub(super) fn fitted(problem: &Problem, k: &StateSpace<Continuous>, seed: u64) -> Option<Vec<f64>> {
+/// A controller made to fit: one with more states truncated, one with fewer given states that nothing reads yet, slow ones,
+/// and fast ones, where one more is as many as it gets.
+pub(super) fn fitted(problem: &Problem, k: &StateSpace<Continuous>, seed: u64) -> Vec<Vec<f64>> {
     let s = &problem.structure;
     if (k.outputs(), k.inputs()) != (s.controls(), s.measurements()) {
-        return None;
+        return Vec::new();
     }
     let n = s.order();
     if k.order() > n {
-        let less = k.balanced_truncation(n).ok()?.system;
-        return fitted(problem, &less, seed);
+        let less = k.balanced_truncation(n);
+        return less.map_or_else(|_| Vec::new(), |less| fitted(problem, &less.system, seed));
     }
+    let Some(small) = balanced(problem, k) else { return Vec::new() };
+    let usual = Added { decades: 0.0, damping: 1.0 };
+    let added: Vec<Added> = match n - k.order() {
+        1 => ADDED.map(|decades| Added { decades, ..usual }).to_vec(),
+        2 => {
+            OSCILLATING.map(|decades| Added { decades, damping: LIGHT }).into_iter().chain([usual]).collect()
+        }
+        _ => vec![usual],
+    };
+    added.iter().map(|added| extended(problem, &small, *added, seed)).collect()
+}
+
+/// Where the poles of added states stand: above their usual places, and of a pair its damping.
+#[derive(Debug, Clone, Copy)]
+struct Added {
+    decades: f64,
+    damping: f64,
+}
+
+/// A controller with states more than it has, which nothing reads yet.
+fn extended(problem: &Problem, k: &StateSpace<Continuous>, added: Added, seed: u64) -> Vec<f64> {
+    let s = &problem.structure;
     let mut rng = ChaCha8Rng::seed_from_u64(seed ^ 0xf17);
-    let small = block_of(&balanced(problem, k)?);
-    let (own, order) = (k.order(), n);
+    let small = block_of(k);
+    let (own, order) = (k.order(), s.order());
     // states of the smaller first, then the new ones, then signals
     let old = |i: usize| {
         if i < own { Some(i) } else { i.checked_sub(order).map(|i| i + own) }
@@ -84,13 +113,21 @@ pub(super) fn fitted(problem: &Problem, k: &StateSpace<Continuous>, seed: u64) -
         _ => 0.0,
     });
     for i in own..order {
-        block[(i, i)] = own_pole(problem, i);
+        block[(i, i)] = within(problem, own_pole(problem, i) * 10f64.powf(added.decades));
         for j in order..s.cols() {
             let z: f64 = StandardNormal.sample(&mut rng);
             block[(i, j)] = 0.5 * z * problem.scales.unit(order, i, j);
         }
     }
-    Some(problem.of_block(&block))
+    if added.damping < 1.0 && order == own + 2 {
+        // one frequency for both: −ζω ± iω√(1 − ζ²)
+        let (i, j) = (own, own + 1);
+        let omega = block[(i, i)].abs();
+        let across = omega * (1.0 - added.damping * added.damping).sqrt();
+        (block[(i, i)], block[(j, j)]) = (-added.damping * omega, -added.damping * omega);
+        (block[(i, j)], block[(j, i)]) = (across, -across);
+    }
+    problem.of_block(&block)
 }
 
 /// States of like size in B and C, as the units see them.
@@ -109,8 +146,13 @@ fn balanced(problem: &Problem, k: &StateSpace<Continuous>) -> Option<StateSpace<
 /// Poles of new states: around the pace, two a decade, where controllers and loops may have poles.
 fn own_pole(problem: &Problem, i: usize) -> f64 {
     let place = [0.0, 0.5, -0.5, 1.0, -1.0, 0.25, -0.25, 0.75][i % 8] + 0.05 * (i / 8) as f64;
+    within(problem, -problem.scales.pace * 10f64.powf(place))
+}
+
+/// A pole where controllers may have theirs.
+fn within(problem: &Problem, pole: f64) -> f64 {
     let (slowest, fastest) = problem.own_poles;
-    -(problem.scales.pace * 10f64.powf(place)).max(slowest).min(fastest)
+    -pole.abs().max(slowest).min(fastest)
 }
 
 /// A controller with more states that nothing reaches and nothing reads.
