@@ -100,7 +100,7 @@ fn cases_are_listed_and_printed() {
 fn modes_and_ride_print_tables_and_json() {
     let folder = Folder::new("modes");
     let table = folder.ok("modes case:guiggiani-full-car --shapes");
-    assert!(table.contains("frequency (Hz)") && table.contains("rear axle hop"), "{table}");
+    assert!(table.contains("mode                  (Hz)") && table.contains("rear axle hop"), "{table}");
     let modes = folder.json("modes case:guiggiani-full-car");
     assert_eq!(modes["modes"].as_array().unwrap().len(), 7);
     assert_eq!(modes["inputs"][0]["path"], "case:guiggiani-full-car");

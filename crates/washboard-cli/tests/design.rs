@@ -160,7 +160,7 @@ fn what_a_design_costs_is_said() {
         );
     }
     let (status, _, err) = folder.run("respond case:turkay-quarter-car --speed-m-s 20 --bump 0.1,1e-5");
-    assert!(status == 2 && err.contains("bump length"), "{err}");
+    assert!(status == 2 && err.contains("samples") && err.contains("over the bump"), "{err}");
 }
 
 #[test]

@@ -61,6 +61,19 @@ pub fn fixed_order(
             }
         }
     }
+    // of a structure with zeros the gains without states: to begin with, as states that nothing reads change nothing
+    if settings.lower_orders
+        && !asked.structure.is_full()
+        && order > 0
+        && let Some(structure) = asked.structure.feedthrough()
+    {
+        let less = FixedOrder { structure, starts: given.clone(), ..asked.clone() };
+        let found = one_order(&less, settings)?;
+        work.add(found.1);
+        if let FixedOrderEnd::Designed(d) | FixedOrderEnd::BoundsNotMet(d) = found.0 {
+            given.push(d.controller);
+        }
+    }
     let last = FixedOrder { starts: given, ..asked.clone() };
     let (mut end, own) = one_order(&last, settings)?;
     work.add(own);

@@ -143,6 +143,15 @@ impl Structure {
         Structure::of_entries(2, 1, 1, entries)
     }
 
+    /// Its feedthrough alone, as a structure without states; none where nothing of that is free.
+    #[must_use]
+    pub(super) fn feedthrough(&self) -> Option<Self> {
+        let (u, y, n) = (self.controls, self.measurements, self.order);
+        let entries: Vec<Entry> = (0..u * y).map(|k| self.entry(n + k / y, n + k % y)).collect();
+        let entries = entries.contains(&Entry::Free).then_some(entries)?;
+        Some(Structure { order: 0, controls: u, measurements: y, entries })
+    }
+
     /// The same without feedthrough: D_K = 0.
     #[must_use]
     pub fn strictly_proper(mut self) -> Self {
