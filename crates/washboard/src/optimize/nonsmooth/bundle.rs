@@ -152,7 +152,7 @@ impl<'a, P: Pieces> Descent<'a, P> {
                     return;
                 }
                 self.history = vec![now];
-                self.state.forget_curvature();
+                self.state.begin_anew();
             }
             Some(_) => self.slow = 0,
             None => {}
@@ -165,7 +165,7 @@ impl<'a, P: Pieces> Descent<'a, P> {
         if self.confirmed == 2 {
             self.end = Some(end);
         } else {
-            self.state.forget_curvature();
+            self.state.begin_anew();
         }
     }
 

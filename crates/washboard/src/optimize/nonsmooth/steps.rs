@@ -27,6 +27,8 @@ const SAME: f64 = 0.4;
 /// The penalty grows by this while bounds are exceeded, to at most the next.
 const STIFFER: f64 = 4.0;
 const STIFFEST: f64 = 1e7;
+/// A search that begins anew has a penalty of so many times what its bounds weigh.
+const SPARE: f64 = 4.0;
 /// A step must lower the bounds' excess by this share of what they could lower it to without the goal.
 const STEERED: f64 = 0.1;
 /// The bounds' excess that does not matter.
@@ -63,6 +65,8 @@ pub(super) struct State<'a, P: Pieces> {
     recalled: Vec<SmoothPiece<P::Id>>,
     recalled_of: usize,
     pub penalty: f64,
+    /// What the bounds weigh in the last model: all of the penalty that was needed there.
+    used: f64,
     radius: f64,
     /// The share of the matrix that the model uses: less after failures.
     trust: f64,
@@ -83,6 +87,7 @@ impl<'a, P: Pieces> State<'a, P> {
             recalled: Vec::new(),
             recalled_of: 0,
             penalty: settings.penalty,
+            used: 0.0,
             radius: settings.longest * (1.0 + dot(x, x).sqrt()),
             trust: 1.0,
             evaluations: 1,
@@ -221,6 +226,15 @@ impl<'a, P: Pieces> State<'a, P> {
             let model = step(known, &w, self.penalty, false)?;
             // all of the penalty is used, and bounds are still exceeded
             let exceeded = model.violation > MET && model.slack < 1e-6;
+            self.used = known
+                .iter()
+                .zip(&model.weights)
+                .map(|(p, w)| match p.role {
+                    Role::Goal => 0.0,
+                    Role::Bound(_) => *w,
+                    Role::Edge => w / EDGE,
+                })
+                .fold(0.0, |sum, w| sum + w);
             if !exceeded || self.penalty * STIFFER > STIFFEST || goal == f64::NEG_INFINITY {
                 return Some(model);
             }
@@ -397,8 +411,10 @@ impl<'a, P: Pieces> State<'a, P> {
         }
     }
 
-    pub fn forget_curvature(&mut self) {
+    pub fn begin_anew(&mut self) {
         self.trust = 1.0;
+        // what raised it may be long past, and rounding times a penalty is what no step gets below
+        self.penalty = (SPARE * self.used).max(BundleSettings::default().penalty).min(self.penalty);
         self.w = Vec::new();
         self.fresh = true;
     }
