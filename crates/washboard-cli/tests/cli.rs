@@ -112,7 +112,7 @@ fn modes_and_ride_print_tables_and_json() {
     let table = folder.ok(line);
     assert!(table.contains("infinite: sprung_displacement"), "{table}");
     let table = folder.ok("ride case:chalasani-full-car --road case:iso8608-b --speed-m-s 20");
-    assert!(table.contains("front left") && !table.contains("suspension_travel_front"), "{table}");
+    assert!(table.contains("front     front") && !table.contains("suspension_travel_front"), "{table}");
     assert!(table.contains("weighted heave_acceleration") && !table.contains("bottoming"), "{table}");
     let table = folder.ok(&format!("{line} --stroke-m 0.02"));
     assert!(table.contains("bottoming, suspension_travel"), "{table}");

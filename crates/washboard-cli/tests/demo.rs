@@ -124,7 +124,11 @@ fn a_drive_leads_to_controllers_as_good_as_those_that_know_the_truth() {
     assert_eq!(folder.run("demo -o one").0, 2);
 }
 
-/// The same text but for numbers, which may differ by half a unit of the picture: what roundings of two machines move.
+/// Numbers of a picture may differ so much, in its units. The search of fixed order is local: from six models of one car with other
+/// roundings it ended within .5 % of the goal, which is one unit of a bar, at poles that move the spectrum below 1 Hz by more.
+const PICTURED: f64 = 3.0;
+
+/// The same text but for numbers.
 fn same_picture(kept: &str, made: &str) {
     let parts = |svg: &str| -> Vec<String> {
         let cut = |c: char| !(c.is_ascii_digit() || c == '.' || c == '-');
@@ -135,7 +139,7 @@ fn same_picture(kept: &str, made: &str) {
     for (a, b) in a.iter().zip(&b) {
         let number = |s: &str| s.trim_end_matches(|c: char| !c.is_ascii_digit()).parse::<f64>();
         let same = match (number(a), number(b)) {
-            (Ok(x), Ok(y)) => (x - y).abs() <= 0.5,
+            (Ok(x), Ok(y)) => (x - y).abs() <= PICTURED,
             _ => a == b,
         };
         assert!(same, "docs/demo.svg is out of date, `washboard demo` makes it: {a} {b}");

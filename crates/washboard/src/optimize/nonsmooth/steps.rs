@@ -1,29 +1,23 @@
 //! A step of the bundle method: models, tries, pieces learnt where one failed, curvature along what was gone.
 
-use super::bfgs::{identity, update};
+use super::bfgs::identity;
 use super::bundle::BundleSettings;
 use super::model::{Step, step};
 use super::pieces::{EDGE, Levels, Pieces, Role, SmoothPiece, merit};
 use super::simplex::dot;
+use learnt::Learnt;
+
+mod curvature;
+mod learnt;
 
 /// The merit must lose this share of what the model says.
 const ENOUGH: f64 = 1e-4;
 /// A step that would lose more than this share is made longer.
 const LONGER: f64 = 0.7;
-/// Pieces learnt from one failed step, at most.
-const LEARNT: usize = 6;
-/// Learnt pieces are forgotten after so many steps without weight.
-const FORGOTTEN: usize = 8;
-/// Learnt pieces at most.
-const MOST_LEARNT: usize = 30;
-/// Pieces of the goal, and of the bounds, in a model at most.
-const MOST_PIECES: usize = 12;
 /// Touching planes in a model at most.
 const MOST_CUTS: usize = 8;
 /// A plane from a failed step is this share of the promised decrease below the functions at x.
 const DOWNSHIFT: f64 = 0.02;
-/// Pieces apart by more than this are not the same one after a step.
-const SAME: f64 = 0.4;
 /// The penalty grows by this while bounds are exceeded, to at most the next.
 const STIFFER: f64 = 4.0;
 const STIFFEST: f64 = 1e7;
@@ -37,8 +31,6 @@ const MET: f64 = 1e-9;
 const SHORTER: f64 = 0.5;
 /// Failed steps in a row, at most.
 const MOST_TRIES: usize = 30;
-/// The share of the matrix's curvature that a step must show, or it is mixed with the old one (Powell's damping).
-const DAMPED: f64 = 0.2;
 
 /// How a step ended.
 pub(super) enum Advance<I> {
@@ -46,11 +38,6 @@ pub(super) enum Advance<I> {
     /// The model says that there is nothing to gain: the pieces that hold, with their weights.
     Flat(Vec<(SmoothPiece<I>, f64)>),
     Stuck,
-}
-
-struct Learnt<I> {
-    id: I,
-    idle: usize,
 }
 
 /// Where the search is, and what it knows.
@@ -177,44 +164,6 @@ impl<'a, P: Pieces> State<'a, P> {
         cuts.drain(..excess);
     }
 
-    /// All pieces of the model.
-    fn bundle(&mut self) -> Vec<SmoothPiece<P::Id>> {
-        let ids: Vec<&P::Id> = self.learnt[self.recalled_of..].iter().map(|l| &l.id).collect();
-        if !ids.is_empty() {
-            let new = self.problem.again(&ids, &self.x);
-            self.recalled.extend(new.into_iter().flatten());
-            self.recalled_of = self.learnt.len();
-        }
-        let mut known = self.pieces.clone();
-        known.extend(self.recalled.iter().cloned());
-        self.highest(known)
-    }
-
-    /// The learnt pieces are others now, or x is.
-    fn forget_recalled(&mut self) {
-        self.recalled.clear();
-        self.recalled_of = 0;
-    }
-
-    /// As many of the pieces as a model is worth, the highest of goal and of bounds.
-    fn highest(&self, mut known: Vec<SmoothPiece<P::Id>>) -> Vec<SmoothPiece<P::Id>> {
-        let kind = |p: &SmoothPiece<P::Id>| match p.role {
-            Role::Goal => 0,
-            Role::Bound(_) => 1,
-            Role::Edge => 2,
-        };
-        for of in 0..3 {
-            let is_of = |p: &SmoothPiece<P::Id>| kind(p) == of;
-            let mut values: Vec<f64> = known.iter().filter(|p| is_of(p)).map(|p| p.value).collect();
-            if values.len() > MOST_PIECES {
-                values.sort_by(|a, b| b.total_cmp(a));
-                let least = values[MOST_PIECES - 1];
-                known.retain(|p| !is_of(p) || p.value >= least);
-            }
-        }
-        known
-    }
-
     /// The step; with a penalty that is large enough.
     fn model(&mut self, known: &[SmoothPiece<P::Id>]) -> Option<Step> {
         if self.w.is_empty() {
@@ -300,115 +249,6 @@ impl<'a, P: Pieces> State<'a, P> {
             (best, best_loss) = ((next, pieces, longer), loss);
         }
         Ok(best)
-    }
-
-    /// Curvature of the Lagrangian along the step, then the step.
-    fn move_to(
-        &mut self,
-        known: &[SmoothPiece<P::Id>],
-        model: &Step,
-        t: f64,
-        next: Vec<f64>,
-        pieces: Vec<SmoothPiece<P::Id>>,
-    ) {
-        let n = self.x.len();
-        let held: Vec<usize> = (0..known.len()).filter(|i| model.weights[*i] > 1e-6).collect();
-        let nearest = |i: usize, among: &[SmoothPiece<P::Id>]| -> Option<Vec<f64>> {
-            among
-                .iter()
-                .filter(|p| p.role == known[i].role)
-                .filter_map(|p| Some((self.problem.apart(&known[i].id, &p.id)?, p)))
-                .filter(|(d, _)| *d < SAME)
-                .min_by(|a, b| a.0.total_cmp(&b.0))
-                .map(|(_, p)| p.gradient.clone())
-        };
-        // the peak that moves with x; pieces that are near none by themselves
-        let moving = held.iter().map(|i| nearest(*i, &self.pieces).zip(nearest(*i, &pieces)));
-        let mut changes: Vec<(usize, Option<(Vec<f64>, Vec<f64>)>)> =
-            held.iter().copied().zip(moving).collect();
-        let alone: Vec<&P::Id> =
-            changes.iter().filter(|(_, c)| c.is_none()).map(|(i, _)| &known[*i].id).collect();
-        if !alone.is_empty() {
-            let [before, after] = [&self.x, &next].map(|x| self.problem.again(&alone, x));
-            let pairs = before.into_iter().zip(after);
-            for ((_, change), (b, a)) in changes.iter_mut().filter(|(_, c)| c.is_none()).zip(pairs) {
-                *change = b.map(|p| p.gradient).zip(a.map(|p| p.gradient));
-            }
-        }
-        let mut y = vec![0.0; n];
-        for (i, change) in changes {
-            let Some((before, after)) = change else { continue };
-            let weight = model.weights[i];
-            y.iter_mut().zip(after.iter().zip(&before)).for_each(|(y, (a, b))| *y += weight * (a - b));
-        }
-        let s: Vec<f64> = next.iter().zip(&self.x).map(|(a, b)| a - b).collect();
-        // d = −trust W Σ weight · gradient: W⁻¹s of a step t d is −t trust Σ weight · gradient
-        let hs: Vec<f64> = model.slope.iter().map(|v| -t * v * self.trust).collect();
-        let (shs, sy) = (dot(&s, &hs), dot(&s, &y));
-        if self.fresh && sy > DAMPED * 1e-3 * shs {
-            let scale = sy / dot(&y, &y);
-            if scale.is_finite() && scale > 0.0 {
-                self.w = identity(n, scale);
-            }
-            update(&mut self.w, &s, &y);
-            self.fresh = false;
-        } else {
-            if sy < DAMPED * shs {
-                let theta = (1.0 - DAMPED) * shs / (shs - sy);
-                y.iter_mut().zip(&hs).for_each(|(y, h)| *y = theta * *y + (1.0 - theta) * h);
-            }
-            update(&mut self.w, &s, &y);
-        }
-        let moved = dot(&s, &s).sqrt();
-        let size = 1.0 + dot(&next, &next).sqrt();
-        self.radius =
-            (self.radius.max(3.0 * moved)).min(self.settings.longest * size).max(3.0 * moved.min(size));
-        (self.x, self.pieces) = (next, pieces);
-        self.forget_recalled();
-    }
-
-    /// Pieces where a step failed: the highest there.
-    fn learn(&mut self, mut there: Vec<SmoothPiece<P::Id>>) {
-        let now = merit(&self.pieces, self.penalty);
-        let height = |p: &SmoothPiece<P::Id>| match p.role {
-            Role::Goal => p.value,
-            Role::Bound(_) => now + self.penalty * p.value,
-            Role::Edge => now + EDGE * self.penalty * p.value,
-        };
-        there.sort_by(|a, b| height(b).total_cmp(&height(a)));
-        for p in there.into_iter().take(LEARNT) {
-            let known = |id: &P::Id| self.problem.apart(id, &p.id).is_some_and(|d| d < 1e-6);
-            if self.pieces.iter().any(|q| known(&q.id)) || self.learnt.iter().any(|l| known(&l.id)) {
-                continue;
-            }
-            self.learnt.push(Learnt { id: p.id, idle: 0 });
-        }
-        let excess = self.learnt.len().saturating_sub(MOST_LEARNT);
-        if excess > 0 {
-            self.learnt.drain(..excess);
-            self.forget_recalled();
-        }
-    }
-
-    /// Learnt pieces without weight are forgotten after a while.
-    fn remember(&mut self, known: &[SmoothPiece<P::Id>], model: &Step) {
-        for l in &mut self.learnt {
-            l.idle += 1;
-        }
-        for (p, w) in known.iter().zip(&model.weights) {
-            if *w > 1e-8 {
-                for l in &mut self.learnt {
-                    if self.problem.apart(&l.id, &p.id) == Some(0.0) {
-                        l.idle = 0;
-                    }
-                }
-            }
-        }
-        let before = self.learnt.len();
-        self.learnt.retain(|l| l.idle < FORGOTTEN);
-        if self.learnt.len() < before {
-            self.forget_recalled();
-        }
     }
 
     pub fn begin_anew(&mut self) {

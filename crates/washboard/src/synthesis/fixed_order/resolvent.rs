@@ -10,8 +10,6 @@ const LARGE: usize = 6;
 const MOST_KEPT: usize = 48;
 /// Numbers in them at most.
 const MOST_NUMBERS: usize = 1 << 19;
-/// So many are likely.
-const LIKELY: usize = 32;
 
 /// How many factorisations of an order are kept.
 fn kept(n: usize) -> usize {

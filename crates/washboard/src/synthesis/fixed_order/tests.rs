@@ -1,10 +1,10 @@
 //! Values of every kind of piece against norms and poles of the plant closed by itself, gradients against differences.
 
 use super::problem::{BEYOND, Id, Kind, Of, Problem};
-use super::structure::{Structure, controller_of};
+use super::structure::{Local, Structure, controller_of};
 use super::targets::{Aim, Channel, Measure, Target};
 use super::{starts, verify};
-use crate::linalg::Mat;
+use crate::linalg::{Mat, RealSchur};
 use crate::lti::{Continuous, GeneralizedPlant, Signals, StateSpace};
 use crate::optimize::{Pieces, Role, SmoothPiece};
 use rand::{Rng, SeedableRng};
@@ -308,6 +308,49 @@ fn the_smooth_function_for_unstable_loops_and_the_abscissa() {
             }
         }
     }
+}
+
+#[test]
+fn a_controller_with_two_states_less_is_given_pairs_that_oscillate_and_one_with_one_less_slow_and_fast_ones()
+{
+    let plant = plant(5, Through::default());
+    let targets = [target(0, Measure::Hinf(channel()), Aim::Goal(1.0))];
+    let problem = problem(std::slice::from_ref(&plant), &targets, 2);
+    let gain = Mat::from_fn(CONTROLS, MEASUREMENTS, |i, j| [[0.1, -0.2], [0.05, 0.3]][i][j]);
+    let none = |r: usize, c: usize| Mat::zeros(r, c);
+    let without = StateSpace::continuous(none(0, 0), none(0, 2), none(2, 0), gain.clone()).unwrap();
+    let one = StateSpace::continuous(none(1, 1) - Mat::identity(1, 1), none(1, 2), none(2, 1), gain.clone())
+        .unwrap();
+    let mut oscillating = 0;
+    for (from, least) in [(without, 3), (one, 3)] {
+        let begun = starts::fitted(&problem, &from, 1);
+        assert!(begun.len() >= least, "{}", begun.len());
+        let mut slowest = Vec::new();
+        for x in &begun {
+            let k = controller(&problem, x);
+            // whatever the new states are, nothing reads them yet
+            assert!(distance(&k.d().row(0).iter().copied().collect::<Vec<_>>(), &[0.1, -0.2]) < 1e-12);
+            assert_eq!(k.c().norm_max(), 0.0);
+            let poles = RealSchur::only_eigenvalues(k.a()).unwrap();
+            assert!(poles.iter().all(|p| p.re < 0.0), "{poles:?}");
+            oscillating += usize::from(poles.iter().any(|p| p.im > 0.5 * p.norm()));
+            slowest.push(poles.iter().map(|p| p.norm()).fold(f64::INFINITY, f64::min));
+        }
+        slowest.sort_by(f64::total_cmp);
+        slowest.dedup_by(|a, b| (*a / *b - 1.0).abs() < 1e-9);
+        assert!(slowest.len() >= 2, "{slowest:?}");
+    }
+    assert_eq!(oscillating, 2);
+}
+
+#[test]
+fn a_structures_feedthrough_is_a_structure_of_its_own() {
+    let local = |signal: usize| Local { order: 1, measurements: vec![signal], controls: vec![signal] };
+    let two = Structure::decentralised(2, 2, &[local(0), local(1)]).unwrap();
+    let gains = two.feedthrough().unwrap();
+    assert_eq!((gains.order(), gains.rows(), gains.cols()), (0, 2, 2));
+    assert_eq!(gains.free(), [(0, 0), (1, 1)]);
+    assert!(two.strictly_proper().feedthrough().is_none());
 }
 
 #[test]
