@@ -9,9 +9,9 @@ use washboard::study::{
 
 /// Numbers of the document may differ so much between machines: two solvers' rounding in the gain of a matrix inequality.
 const SAME: f64 = 1e-3;
-/// Those of table 5.2's controllers of orders 2 to 4 more: a bound on norms leaves their rms free (.47 to .53 m/s² over twelve seeds and
-/// two roundings, and the norm .4501 to .4514), which is what the erratum says.
-const FREE: f64 = 0.15;
+/// Those of table 5.2's controllers of orders 2 to 4 more: a goal of norms leaves their rms free, which is what the erratum says (.43 to
+/// .53 m/s² was seen where the norm was .4501 to .4514).
+const FREE: f64 = 0.25;
 
 fn run(items: &[&str], quick: bool) -> Result<ReproduceOutcome, StudyError> {
     let items = items.iter().map(|i| (*i).to_owned()).collect();

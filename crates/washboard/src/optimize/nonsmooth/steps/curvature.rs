@@ -11,6 +11,9 @@ const SAME: f64 = 0.4;
 /// The share of the matrix's curvature that a step must show, or it is mixed with the old one (Powell's damping).
 const DAMPED: f64 = 0.2;
 
+/// A piece's gradient before a step and after it.
+type Change = Option<(Vec<f64>, Vec<f64>)>;
+
 impl<P: Pieces> State<'_, P> {
     /// Curvature of the Lagrangian along the step, then the step.
     pub(super) fn move_to(
@@ -34,8 +37,7 @@ impl<P: Pieces> State<'_, P> {
         };
         // the peak that moves with x; pieces that are near none by themselves
         let moving = held.iter().map(|i| nearest(*i, &self.pieces).zip(nearest(*i, &pieces)));
-        let mut changes: Vec<(usize, Option<(Vec<f64>, Vec<f64>)>)> =
-            held.iter().copied().zip(moving).collect();
+        let mut changes: Vec<(usize, Change)> = held.iter().copied().zip(moving).collect();
         let alone: Vec<&P::Id> =
             changes.iter().filter(|(_, c)| c.is_none()).map(|(i, _)| &known[*i].id).collect();
         if !alone.is_empty() {
