@@ -2,6 +2,7 @@
 
 use super::design_fixed_spec::{FixedOrderSection, LocalSection, StructureSpec};
 use super::design_goal::plain;
+use super::design_homes::at_home;
 use super::design_mixed_spec::{LyapunovScaleSpec, MixedSection, PolesSection};
 use super::{ActuatorSection, Goal, MetricsSection, Named, StudyError};
 use crate::vehicle::Disturbance;
@@ -265,7 +266,7 @@ impl DesignSpec {
     /// # Errors
     /// A file that can't be read, an unknown key with the nearest that is.
     pub fn read(path: &std::path::Path) -> Result<Self, StudyError> {
-        let mut spec: DesignSpec = crate::files::read_toml(path)?;
+        let mut spec: DesignSpec = crate::files::read_toml(path).map_err(at_home)?;
         spec.resolve(path.parent().unwrap_or(std::path::Path::new("")));
         Ok(spec)
     }

@@ -38,6 +38,7 @@ mod design_fragile;
 mod design_gains;
 mod design_goal;
 mod design_goal_norms;
+mod design_homes;
 mod design_interpolation;
 mod design_limit_loop;
 mod design_limits;

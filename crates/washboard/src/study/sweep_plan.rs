@@ -1,5 +1,6 @@
 //! A sweep made ready: every point's design read, every input's fingerprint taken, and what may be computed at once.
 
+use super::design_homes::told;
 use super::sweep_grid::{count, places, put, values_at};
 use super::{DesignMethod, DesignSpec, Input, Named, StudyError, SweepAxis, SweepSpec};
 use super::{design_outputs, load};
@@ -218,7 +219,7 @@ impl SweepPlan {
 /// Refuses a part of a design that has a key or a kind of value that none has; what is missing is the business of the whole.
 fn known(part: &Map<String, Value>) -> Result<(), String> {
     match DesignSpec::deserialize(Value::Object(part.clone())) {
-        Err(e) if !e.to_string().starts_with("missing field") => Err(said(&e.to_string())),
+        Err(e) if !e.to_string().starts_with("missing field") => Err(told(said(&e.to_string()))),
         _ => Ok(()),
     }
 }
