@@ -54,7 +54,8 @@ mod tests {
     use std::path::Path;
 
     fn said(text: &str) -> String {
-        let head = "vehicle = \"case:turkay-quarter-car\"\nroad = \"r\"\nspeed_m_s = 20.0\nmethod = \"lqg\"\n";
+        let head =
+            "vehicle = \"case:turkay-quarter-car\"\nroad = \"r\"\nspeed_m_s = 20.0\nmethod = \"lqg\"\n";
         let error = crate::files::parse_toml::<DesignSpec>(&(head.to_owned() + text), Path::new("d.toml"));
         StudyError::from(at_home(error.expect_err("the key stands outside its table"))).to_string()
     }

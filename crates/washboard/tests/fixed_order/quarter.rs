@@ -88,6 +88,23 @@ fn the_quarter_cars_levels_fall_with_the_order_to_what_no_controller_beats() {
     }
 }
 
+/// Travel at .15 of the passive car's: controllers that hold the wheel keep it too, at eighty times the passive acceleration.
+/// Chance finds these at once, and the way to the others leads over exceeded bounds.
+#[test]
+fn what_chance_finds_at_once_does_not_end_the_search_for_better() {
+    let plant = quarter(98.0);
+    let norms = passive(&plant);
+    let hinf = |row: usize| Measure::Hinf(channel(&[row]));
+    let targets =
+        vec![target(0, hinf(0), Aim::Goal(norms[0])), target(0, hinf(1), Aim::Bound(0.15 * norms[1]))];
+    let mut of = asked(vec![plant], targets, Structure::full(1, 1, 1));
+    of.max_pole_rad_s = Some(5e3);
+    for tries in [2, 8] {
+        let d = designed(&of, &FixedOrderSettings { tries, ..FixedOrderSettings::default() });
+        assert!(d.verified_goal.unwrap() < 12.5, "{tries}: {:?}", d.verified_goal);
+    }
+}
+
 #[test]
 fn one_thread_and_two_give_the_same_bits() {
     let on = |threads: usize| {

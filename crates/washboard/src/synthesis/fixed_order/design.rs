@@ -3,9 +3,10 @@
 use super::asked::{FixedOrder, FixedOrderSettings, check};
 use super::outcome::{FixedOrderDesign, FixedOrderEnd, FixedOrderWork, describe};
 use super::problem::{Id, Problem, own_poles};
+use super::restored::restored;
 use super::scales::Scales;
-use super::search::{Led, MET, from, further, race, sort};
-use super::settled::{KEPT, MIDDLE, PATIENT, settled};
+use super::search::{KEPT, Led, MET, from, further, promising, race, sort};
+use super::settled::{MIDDLE, PATIENT, settled};
 use super::structure::{Entry, Structure};
 use super::targets::{Aim, Measure, Target};
 use super::{full_order, starts};
@@ -117,7 +118,6 @@ fn one_order(
         begun.extend(starts::fitted(&problem, given, settings.seed.wrapping_add(k as u64)));
     }
     begun.push(starts::silent(&problem));
-    begun.extend(starts::random(&problem, settings.tries, settings.seed));
     let mut seen: Vec<Vec<f64>> = Vec::new();
     begun.retain(|x| {
         let new = !seen.contains(x);
@@ -126,6 +126,8 @@ fn one_order(
         }
         new
     });
+    let own = begun.len();
+    begun.extend(starts::random(&problem, settings.tries, settings.seed));
     let short = BundleSettings {
         iterations: SHORT.min(settings.iterations),
         evaluations: 4 * SHORT,
@@ -136,9 +138,7 @@ fn one_order(
     let mut led: Vec<Led> = if patient {
         begun.par_iter().map(|x| from(&problem, x, &short, false)).collect()
     } else {
-        // few starts are all searched from
-        let most = |share: usize| begun.len().div_ceil(share).max(KEPT);
-        race(&problem, &begun, &short, &[(10, most(2)), (20, most(3))])
+        race(&problem, &begun, own, &short, &[(10, 2), (20, 3)])
     };
     // a plant that is hard to stabilise
     let stable = led.iter().filter(|l| matches!(l, Led::To(_))).count();
@@ -152,17 +152,26 @@ fn one_order(
     let mut work = FixedOrderWork { starts: begun.len(), ..FixedOrderWork::default() };
     let mut results: Vec<BundleResult<Id>> = Vec::new();
     let mut least = f64::INFINITY;
-    for l in led {
+    // of the starts that are no chance
+    let mut of_own = 0;
+    for (k, l) in led.into_iter().enumerate() {
         match l {
             Led::Unstable(a) => least = least.min(a),
             Led::To(r) => {
                 work.stabilised += 1;
+                of_own += usize::from(k < own);
                 results.push(*r);
             }
         }
     }
-    sort(&mut results);
-    results.truncate(KEPT.max(settings.tries / 6));
+    // what chance leads to keeps none of the others from being searched to the end
+    let mut chosen = promising(&results, KEPT.max(settings.tries / 6));
+    for k in promising(&results[..of_own], 1) {
+        if !chosen.contains(&k) {
+            chosen.push(k);
+        }
+    }
+    results = chosen.into_iter().map(|k| results[k].clone()).collect();
     let long = BundleSettings {
         iterations: settings.iterations,
         evaluations: 6 * settings.iterations,
@@ -171,6 +180,7 @@ fn one_order(
     };
     let middle = BundleSettings { tolerance: settings.tolerance.max(MIDDLE), ..long };
     results = results.into_par_iter().map(|r| further(&problem, &r, &middle)).collect();
+    results = restored(&problem, results, &middle);
     sort(&mut results);
     let found = settled(asked, &mut problem, results, settings, &long)?;
     let end = match found {

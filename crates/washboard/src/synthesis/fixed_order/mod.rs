@@ -13,6 +13,7 @@ mod peaks;
 mod pieces;
 mod problem;
 mod resolvent;
+mod restored;
 mod scales;
 mod search;
 mod settled;

@@ -16,6 +16,12 @@ const FARTHER: usize = 8;
 /// Rounds with a smooth function, and steps of one.
 const SMOOTH_ROUNDS: usize = 40;
 const SMOOTH_STEPS: usize = 30;
+/// Results whose goals and whose bounds' excess are this near (in ln) are one.
+const TWINS: f64 = 1e-4;
+/// Results that are carried to the end.
+pub(super) const KEPT: usize = 3;
+/// And of those that exceed a bound, with a lower goal.
+const LOWEST: usize = 2;
 /// What bounds that are exceeded count in a heat, beside the goal.
 const EXCEEDED: f64 = 10.0;
 
@@ -44,26 +50,33 @@ pub(super) fn from(problem: &Problem, x: &[f64], settings: &BundleSettings, smoo
     way.led(problem, settings)
 }
 
-/// All starts, a heat at a time: after each (steps in all, how many go on), those go on that stand lowest. The others are
-/// left as they stand.
+/// All starts, a heat at a time: after each (steps in all, one of how many goes on), those go on that stand lowest. The
+/// others are left as they stand. The first `own` starts compete among themselves, and so do the others: none is left
+/// because there are more of the others.
 pub(super) fn race(
     problem: &Problem,
     starts: &[Vec<f64>],
+    own: usize,
     settings: &BundleSettings,
     heats: &[(usize, usize)],
 ) -> Vec<Led> {
     let mut ways: Vec<Way> = starts.par_iter().map(|x| begin(problem, x, settings, false)).collect();
-    let mut running: Vec<usize> = (0..ways.len()).collect();
-    for (steps, most) in heats {
-        let mut on = vec![false; ways.len()];
-        running.iter().for_each(|k| on[*k] = true);
+    let mut running: [Vec<usize>; 2] = [(0..own).collect(), (own..ways.len()).collect()];
+    let marked = |running: &[Vec<usize>; 2]| {
+        let mut on = vec![false; starts.len()];
+        running.iter().flatten().for_each(|k| on[*k] = true);
+        on
+    };
+    for (steps, share) in heats {
+        let on = marked(&running);
         ways.par_iter_mut().zip(&on).filter(|(_, on)| **on).for_each(|(way, _)| way.to(*steps));
-        running.retain(|k| matches!(ways[*k], Way::Down { .. }));
-        running.sort_by(|a, b| ways[*a].height().total_cmp(&ways[*b].height()));
-        running.truncate(*most);
+        for (group, size) in running.iter_mut().zip([own, starts.len() - own]) {
+            group.retain(|k| matches!(ways[*k], Way::Down { .. }));
+            group.sort_by(|a, b| ways[*a].height().total_cmp(&ways[*b].height()));
+            group.truncate(size.div_ceil(*share).max(KEPT));
+        }
     }
-    let mut on = vec![false; ways.len()];
-    running.iter().for_each(|k| on[*k] = true);
+    let on = marked(&running);
     ways.into_par_iter()
         .zip(on)
         .map(|(mut way, on)| {
@@ -73,6 +86,39 @@ pub(super) fn race(
             way.led(problem, settings)
         })
         .collect()
+}
+
+/// Goal and bounds as one number.
+fn height(goal: f64, violation: f64) -> f64 {
+    goal.max(f64::MIN) + EXCEEDED * violation
+}
+
+/// Those that are worth a long search: the best ones; and those that exceed a bound yet, with a goal below these, which
+/// stand lowest. Twins count once.
+pub(super) fn promising(results: &[BundleResult<Id>], most: usize) -> Vec<usize> {
+    let mut best: Vec<usize> = (0..results.len()).collect();
+    best.sort_by(|a, b| order(&results[*a], &results[*b]));
+    let alike = |a: usize, b: usize| {
+        let (a, b) = (&results[a], &results[b]);
+        (a.goal - b.goal).abs() < TWINS && (a.violation - b.violation).abs() < TWINS
+    };
+    let first = best.first().map_or(f64::INFINITY, |k| results[*k].goal);
+    let mut lowest = best.clone();
+    lowest.retain(|k| results[*k].violation > MET && results[*k].goal < first);
+    let height = |k: usize| height(results[k].goal, results[k].violation);
+    lowest.sort_by(|a, b| height(*a).total_cmp(&height(*b)));
+    let mut chosen: Vec<usize> = Vec::new();
+    for (of, most) in [(best, most), (lowest, LOWEST)] {
+        let mut taken: Vec<usize> = Vec::new();
+        for k in of {
+            if taken.len() < most && !taken.iter().any(|t| alike(*t, k)) {
+                taken.push(k);
+            }
+        }
+        taken.retain(|k| !chosen.iter().any(|c| alike(*c, *k)));
+        chosen.extend(taken);
+    }
+    chosen
 }
 
 impl Way<'_> {
@@ -88,7 +134,7 @@ impl Way<'_> {
             Way::Unstable(_) => f64::INFINITY,
             Way::Down { descent, .. } => {
                 let (goal, violation) = descent.stands();
-                goal.max(f64::MIN) + EXCEEDED * violation
+                height(goal, violation)
             }
         }
     }
@@ -213,14 +259,17 @@ pub(super) fn further(
 
 /// The best first.
 pub(super) fn sort(results: &mut [BundleResult<Id>]) {
-    results.sort_by(|a, b| {
-        use std::cmp::Ordering::{Equal, Greater, Less};
-        if better(a, b, MET) {
-            Less
-        } else if better(b, a, MET) {
-            Greater
-        } else {
-            Equal
-        }
-    });
+    results.sort_by(order);
+}
+
+/// The better one first.
+fn order(a: &BundleResult<Id>, b: &BundleResult<Id>) -> std::cmp::Ordering {
+    use std::cmp::Ordering::{Equal, Greater, Less};
+    if better(a, b, MET) {
+        Less
+    } else if better(b, a, MET) {
+        Greater
+    } else {
+        Equal
+    }
 }

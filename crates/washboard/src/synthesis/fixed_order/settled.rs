@@ -2,7 +2,7 @@
 
 use super::asked::{FixedOrder, FixedOrderSettings};
 use super::problem::{Id, Problem};
-use super::search::{Led, MET, as_it_is, better, from, further, race, sort};
+use super::search::{KEPT, Led, MET, as_it_is, better, from, further, race, sort};
 use super::starts;
 use super::structure::controller_of;
 use super::targets::Measure;
@@ -12,8 +12,6 @@ use crate::optimize::{BundleResult, BundleSettings, Pieces};
 use crate::synthesis::SynthesisError;
 use rayon::prelude::*;
 
-/// Results that are carried to the end.
-pub(super) const KEPT: usize = 3;
 /// With so many random starts every start is stabilised by all means, and results are shaken longer.
 pub(super) const PATIENT: usize = 16;
 /// A relative gain below this is none until the best of all is known.
@@ -105,7 +103,7 @@ fn shaken(
         let led: Vec<Led> = if patient {
             places.par_iter().map(|x| from(problem, x, &medium, true)).collect()
         } else {
-            race(problem, &places, &medium, &[(8, 3)])
+            race(problem, &places, 0, &medium, &[(8, 3)])
         };
         let mut new: Vec<BundleResult<Id>> =
             led.into_iter().filter_map(|l| if let Led::To(r) = l { Some(*r) } else { None }).collect();
