@@ -235,6 +235,15 @@ fn another_sweep_is_refused_in_the_same_place() {
     let point = folder.0.join("made/points/0001.json");
     fs::write(&point, fs::read_to_string(&point).unwrap().replace("\"index\": 1", "\"index\": 0")).unwrap();
     wrong(&folder, "sweep sweep.toml -o made", &["0001.json", "expected point 1"]);
+    // a number that nothing beside it contradicts
+    let text = fs::read_to_string(&point).unwrap().replace("\"index\": 0", "\"index\": 1");
+    let place = text.find("\"verified\": ").unwrap() + 12;
+    fs::write(
+        &point,
+        format!("{} 0.5{}", &text[..place], &text[text[place..].find(['\n', ',']).unwrap() + place..]),
+    )
+    .unwrap();
+    wrong(&folder, "sweep sweep.toml -o made", &["0001.json", "edited", "delete it"]);
     fs::write(folder.0.join("made/mine.txt"), "x").unwrap();
     wrong(&folder, "sweep sweep.toml -o made --overwrite", &["mine.txt"]);
     assert!(folder.0.join("made/mine.txt").is_file());
@@ -276,6 +285,8 @@ fn shards_put_together_are_the_whole() {
     let point = folder.0.join("part2/points/0003.json");
     let text = fs::read_to_string(&point).unwrap();
     fs::write(&point, text.replacen("\"delay_order\": 4", "\"delay_order\": 5", 1)).unwrap();
+    wrong(&folder, "merge part1 part2 -o less", &["0003.json", "edited"]);
+    fs::write(&point, text + "\n").unwrap();
     wrong(&folder, "merge part1 part2 -o less", &["differ", "directory's: 3 ("]);
     write(&folder, "sweep.toml", &[HEAD, LQG, grid]);
     assert_eq!(folder.run("sweep sweep.toml -o lqg").0, 0);

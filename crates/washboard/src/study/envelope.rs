@@ -10,6 +10,11 @@ use std::path::Path;
 /// The version of every `result.json`.
 pub const SCHEMA_VERSION: u32 = 1;
 
+/// The SHA-256 of bytes, in hexadecimal.
+pub(super) fn sha256(bytes: &[u8]) -> String {
+    Sha256::digest(bytes).iter().map(|b| format!("{b:02x}")).collect()
+}
+
 /// An input file and its SHA-256.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Input {
@@ -23,8 +28,7 @@ impl Input {
     /// The fingerprint of bytes.
     #[must_use]
     pub fn of(path: impl Into<String>, bytes: &[u8]) -> Self {
-        let hash = Sha256::digest(bytes);
-        Input { path: path.into(), sha256: hash.iter().map(|b| format!("{b:02x}")).collect() }
+        Input { path: path.into(), sha256: sha256(bytes) }
     }
 
     /// The fingerprint of a file, read piece by piece.

@@ -119,6 +119,7 @@ fn compute(
         index,
         at: plan.points[index].at.clone(),
         started_from: near.and(before).map(|b| b.outcome.point.index),
+        sha256: String::new(),
     };
     let design = plan.opened(index);
     // thousands of points have metrics where these are asked for
@@ -156,6 +157,7 @@ fn compute(
             Envelope::new("design", Vec::new(), PointResult { point: point.outcome.point, result })
         }
     };
+    let point = point.sealed();
     directory.write(&point)?;
     Ok(point)
 }

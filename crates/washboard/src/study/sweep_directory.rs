@@ -204,6 +204,12 @@ impl SweepDirectory {
                 format!("expected point {index} of the sweep {}, found {found}", self.file.sha256),
             ));
         }
+        if stamp.sha256 != point.digest() {
+            return Err(wrong(
+                &path,
+                "its SHA-256 (point.sha256) is not that of what stands in it: it was edited; delete it to compute it again",
+            ));
+        }
         if let PointDesign::Outcome(o) = &point.outcome.result {
             check(o).map_err(|e| wrong(&path, format!("{e}; delete it to compute it again")))?;
         }

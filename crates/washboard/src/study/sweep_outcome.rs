@@ -140,6 +140,24 @@ pub struct PointStamp {
     /// The point whose controller was one more start.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub started_from: Option<usize>,
+    /// Of all else in the file: what was edited is not what was computed.
+    #[serde(default)]
+    pub sha256: String,
+}
+
+impl Envelope<PointResult> {
+    /// With its own SHA-256.
+    pub(super) fn sealed(mut self) -> Self {
+        self.outcome.point.sha256 = self.digest();
+        self
+    }
+
+    /// The SHA-256 of the file as it would be without one.
+    pub(super) fn digest(&self) -> String {
+        let mut bare = self.clone();
+        bare.outcome.point.sha256.clear();
+        super::envelope::sha256(bare.to_json().as_bytes())
+    }
 }
 
 /// A point's design.

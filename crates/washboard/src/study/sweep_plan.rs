@@ -7,7 +7,6 @@ use super::{design_outputs, load};
 use crate::files::said;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
-use sha2::{Digest, Sha256};
 use std::collections::BTreeSet;
 use std::ops::Range;
 use std::path::Path;
@@ -34,8 +33,7 @@ impl SweepSeal {
     /// SHA-256 of its JSON.
     #[must_use]
     pub fn sha256(&self) -> String {
-        let text = serde_json::to_vec(self).unwrap_or_default();
-        Sha256::digest(text).iter().map(|b| format!("{b:02x}")).collect()
+        super::envelope::sha256(&serde_json::to_vec(self).unwrap_or_default())
     }
 }
 
