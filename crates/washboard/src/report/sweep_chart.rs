@@ -273,7 +273,8 @@ mod tests {
             .split_once("passive</text>")
             .map_or(("", ""), |(a, _)| a.rsplit_once("<text x=\"").unwrap());
         let at: f64 = rest.split_once('"').unwrap().0.parse().unwrap();
-        assert!(at < 0.5 * (FRAME[0] + FRAME[1]), "{at}");
+        let begin = Scale::new([0.0, 1.0].into_iter(), FRAME[0], FRAME[1]).unwrap().at(0.6);
+        assert!(at + 0.5 * LETTER * 7.0 < begin, "{at} {begin}");
         // after the lines that it is beside
         assert!(drawn.as_str().rfind("<polyline") < drawn.as_str().rfind("passive</text>"));
     }
