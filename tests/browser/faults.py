@@ -25,6 +25,7 @@ def faults(page):
         ("leads-away", "foreign", end(page, f'<a href="{far}">x</a>'), f'a with href="{far}"'),
         ("wide", "layout", end(page, '<svg width="900" height="9"><path d="M0 0H900V9"/></svg>'), "the page is "),
         ("pale", "layout", style("body { color: #aaa; }"), "contrast"),
+        ("ragged", "layout", style(".plot .u-live .u-series:first-child { order: 0 !important; }"), "px aside"),
         ("undrawn", "drawn", edited("drawn.push({", "place.replaceChildren(); drawn.push({"), "was not drawn"),
         ("blank", "drawn", script(f"requestAnimationFrame(() => {clear})"), "is blank"),
         ("empty-drawing", "drawn", end(page, "<svg></svg>"), "is empty"),

@@ -140,6 +140,11 @@
       const e = [...document.querySelectorAll("main *, header *, footer *")].find((e) => !inner(e) && e.getBoundingClientRect().right > screen + 1);
       wrong.push(`the page is ${wide} px wide on a screen of ${screen}: ${e ? `${e.tagName} "${named(e)}"` : "?"}`);
     }
+    for (const legend of shows(".plot .u-legend")) {
+      const rows = [...legend.querySelectorAll(".u-series")].filter((e) => seen(e) && getComputedStyle(e).visibility === "visible");
+      const aside = rows.length && rows[0].getBoundingClientRect().left - legend.getBoundingClientRect().left;
+      if (aside > 8) wrong.push(`the legend of "${named(legend)}" begins ${Math.round(aside)} px aside`);
+    }
     const light = (text) => {
       const [r, g, b, a = 1] = text.match(/[\d.]+/g).map(Number);
       const part = (v) => { const s = (a * v + (1 - a) * 255) / 255; return s <= 0.04045 ? s / 12.92 : ((s + 0.055) / 1.055) ** 2.4; };

@@ -85,6 +85,11 @@ fn names_are_listed_and_what_quick_leaves_out_is_said() {
     // a chapter and a panel by their short names; what is read and not computed is counted apart
     let (status, out, _) = folder.run("reproduce fig-5.5-a thesis.table-6.1 -o out");
     assert!(status == 0 && out.contains(" inputs as printed"), "{out}");
+    let result: Value =
+        serde_json::from_str(&fs::read_to_string(folder.0.join("out/result.json")).unwrap()).unwrap();
+    let count = |name: &str| result["counts"][name].as_u64().unwrap();
+    let headline = format!("{} of {} computed numbers agree", count("computed_agree"), count("computed"));
+    assert!(out.split_whitespace().collect::<Vec<_>>().join(" ").contains(&headline), "{headline}: {out}");
     assert!(out.contains("figures: thesis.fig-5.5") && !out.contains("-o DIR"), "{out}");
     let (status, out, _) = folder.run("reproduce thesis.ch-7 --quick -o quick");
     let errata = fs::read_to_string(folder.0.join("quick/errata.md")).unwrap();

@@ -78,8 +78,11 @@ fn a_grid_of_designs_has_the_numbers_of_each_design() {
     let (status, out, err) = folder.run("sweep sweep.toml -o made");
     assert_eq!(status, 0, "{err}");
     assert!(out.contains("9 points: 9 designed") && out.contains("acceleration"), "{out}");
+    // what the per cent are of
+    assert!(out.contains("rms, to") && out.contains("passive, %"), "{out}");
     let made = result(&folder, "made");
     assert_eq!((made["command"].as_str(), made["points"].as_array().unwrap().len()), (Some("sweep"), 9));
+    assert_eq!(made["goal"], "weighted H2 norms, squared and summed");
     assert_eq!(made["inputs"][0]["path"], "sweep.toml");
     assert_eq!(made["inputs"].as_array().unwrap().len(), 3);
     // the last axis varies fastest
@@ -188,6 +191,14 @@ fn points_that_fail_are_rows_with_their_reason() {
     assert_eq!((of(1).0, of(3).0), ("wrong-input", "wrong-input"));
     assert!(of(1).1.contains("sprung_mass_kg"), "{}", of(1).1);
     assert_eq!(of(2).0, "designed");
+    // what no controller of any order beats, in result, table and page
+    let file: Value =
+        serde_json::from_str(&fs::read_to_string(folder.0.join("made/points/0002.json")).unwrap()).unwrap();
+    let bound = &made["points"][2]["lower_bound"];
+    assert!(bound.is_f64() && *bound == file["fixed_order"]["lower_bound"], "{bound}");
+    let table = fs::read_to_string(folder.0.join("made/table.csv")).unwrap();
+    assert!(table.lines().next().unwrap().contains(",objective_limit,lower_bound,rms_"), "{table}");
+    assert!(fs::read_to_string(folder.0.join("made/report.html")).unwrap().contains("none below"));
     assert_eq!(
         (made["counts"]["wrong-input"].as_u64(), made["counts"]["designed"].as_u64()),
         (Some(2), Some(1))

@@ -11,6 +11,17 @@ const numbers = (() => {
     return digits.replace("-", "−") + "·" + raised(+exponent);
   };
 
+  // marks of one axis in one way: with powers of ten where the largest is small or large
+  const alike = (all) => {
+    const largest = Math.max(...all.map(Math.abs));
+    const power = largest > 0 && (largest < 1e-3 || largest >= 1e5);
+    return all.map((v) => {
+      if (!power || v === 0) return plain(v);
+      const [digits, exponent] = (+v.toPrecision(6)).toExponential().split("e");
+      return digits.replace("-", "−") + "·" + raised(+exponent);
+    });
+  };
+
   // marks of a logarithmic axis: 1, 2, 5 of each decade where there is room, else whole decades, else every other one
   function logSplits(low, high, pixels) {
     const first = Math.floor(Math.log10(low)), last = Math.ceil(Math.log10(high));
@@ -23,5 +34,5 @@ const numbers = (() => {
   }
   const decade = (v) => Math.abs(Math.log10(v) % 1) < 1e-9 ? raised(Math.round(Math.log10(v))) : "";
   const logText = (v, horizontal) => v >= 0.001 && v < 10000 && horizontal ? plain(v) : decade(v);
-  return { plain, value, logSplits, logText };
+  return { plain, alike, value, logSplits, logText };
 })();

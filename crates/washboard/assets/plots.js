@@ -20,24 +20,46 @@ const plots = (() => {
     "before": { stroke: "#0b4a72", width: 1.2, joined: true },
     "after": { stroke: "#c2470b", width: 1.2, joined: true },
     "line": { width: 1.5 },
+    "passive": { stroke: "#52606d", width: 2 },
+    "designed": { width: 2 },
+    "designed-true": { stroke: ink, width: 1.4 },
     "poles": { sign: 3.2 },
     "estimates": { sign: 4 },
   };
   const lines = [["#0b4a72"], ["#c2470b", [7, 4]], ["#3a7d44", [2, 3]], [ink, [9, 3, 2, 3]], ["#7b4ea3", [4, 2]]];
+  // dashes of what was designed with the truth
+  const dashes = [[2, 4], [8, 4]];
   const isLow = (s) => s.role === "low" || s.role === "measured-low";
   const isEnd = (s) => isLow(s) || s.role === "high" || s.role === "measured-high";
+
+  // the width of an upright axis: of its longest number, so that none runs into the name
+  const LEAST = 54;
+  function room() {
+    let known = LEAST;
+    return (u, values, index, cycle) => {
+      if (cycle > 1 || !values) return known;
+      const a = u.axes[index];
+      u.ctx.save();
+      u.ctx.font = font;
+      const widest = Math.max(0, ...values.map((v) => u.ctx.measureText(v ?? "").width));
+      u.ctx.restore();
+      known = Math.max(LEAST, Math.ceil(widest + a.ticks.size + a.gap + 2));
+      return known;
+    };
+  }
 
   function axis(spec, side, grid) {
     const horizontal = side === 2;
     const a = { side, stroke: ink, font, labelFont: font, grid: { show: grid, stroke: faint, width: 1 },
-      ticks: { stroke: faint, width: 1, size: 5 }, size: horizontal ? 34 : 54, gap: 4 };
+      ticks: { stroke: faint, width: 1, size: 5 }, size: 34, gap: 4 };
+    if (!horizontal) a.size = room();
     if (spec.label) { a.label = spec.label; a.labelSize = 20; }
     if (spec.log) {
       a.splits = (u, i, low, high) => numbers.logSplits(low, high, (horizontal ? u.bbox.width : u.bbox.height) / devicePixelRatio);
       a.filter = (u, splits) => splits;
       a.values = (u, splits) => splits.map((v) => numbers.logText(v, horizontal));
     } else {
-      a.values = (u, splits) => splits.map(numbers.plain);
+      a.values = (u, splits) => numbers.alike(splits);
       if (spec.unit === "°") a.splits = () => [-180, -90, 0, 90, 180];
     }
     return a;
@@ -46,7 +68,8 @@ const plots = (() => {
 
   function series(s) {
     const [stroke, dash] = lines[(s.sign || 0) % lines.length];
-    const style = s.role === "line" ? { ...styles.line, stroke, dash } : styles[s.role];
+    const own = { "line": { stroke, dash }, "designed": { stroke }, "designed-true": { dash: dashes[(s.sign || 0) % dashes.length] } };
+    const style = { ...styles[s.role], ...own[s.role] };
     const out = { label: s.label, stroke: style.stroke, scale: s.second ? "second" : "y", pxAlign: 0, value: (u, v) => numbers.value(v) };
     if (style.sign) {
       const sign = overlay.signOf(s.sign || 0);
@@ -92,8 +115,9 @@ const plots = (() => {
     plot.series.forEach((s, k) => {
       const row = rows[first + k];
       if (isEnd(s)) row.hidden = true;
-      const dash = series(s).dash, marker = row.querySelector(".u-marker");
+      const { dash, width } = series(s), marker = row.querySelector(".u-marker");
       if (dash && marker) marker.classList.add(dash[0] < 4 ? "dotted" : "dashed");
+      else if (width > 0 && marker) marker.classList.add("solid");
       if (!signed(k + 1)) return;
       row.classList.add("signed");
       row.querySelector("th").style.color = overlay.signOf(s.sign || 0).color;

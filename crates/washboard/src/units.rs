@@ -19,6 +19,21 @@ pub fn plain(value: f64) -> String {
     }
 }
 
+/// So many decimals and the sign, which nothing has that is 0 when it is rounded.
+///
+/// ```
+/// use washboard::units::signed;
+/// assert_eq!([signed(12.34, 1), signed(-0.26, 1), signed(-0.04, 1), signed(0.001, 2)], ["+12.3", "-0.3", "0.0", "0.00"]);
+/// ```
+#[must_use]
+pub fn signed(value: f64, decimals: usize) -> String {
+    let text = format!("{value:+.decimals$}");
+    match text.get(1..) {
+        Some(size) if size.chars().all(|c| matches!(c, '0' | '.')) => size.to_owned(),
+        _ => text,
+    }
+}
+
 /// ω in rad/s of a frequency in Hz.
 #[must_use]
 pub fn rad_per_s(freq_hz: f64) -> f64 {

@@ -13,6 +13,7 @@ use washboard::report::{demo_page, demo_svg};
 use washboard::study::{
     DemoController, DemoDesigns, DemoMethod, DemoOutcome, DemoSpec, Envelope, demo, is_result_of,
 };
+use washboard::units::signed;
 
 /// Where the report goes unless told.
 const DIRECTORY: &str = "washboard-demo";
@@ -89,12 +90,11 @@ fn method(d: &DemoDesigns, m: &DemoMethod) -> String {
             show(d.passive.rms.get(name).and_then(|r| r.finite())),
             show(rms(&m.on_identified)),
             show(rms(&m.on_true)),
-            m.difference.get(name).map(|v| format!("{:+.2}", 100.0 * v)).unwrap_or_default(),
+            m.difference.get(name).map(|v| signed(100.0 * v, 2)).unwrap_or_default(),
         ]);
     }
     let mut text = format!("\n{}", rows.text());
-    m.beyond_bounds(&d.passive).iter().for_each(|words| text += &wrapped(&format!("! {words}")));
-    for w in &m.on_identified.warnings {
+    for w in &m.warnings(&d.passive) {
         text += &wrapped(&format!("! {} ({})", w.text, w.name));
     }
     for (whose, c) in [("identified", &m.on_identified), ("true", &m.on_true)] {

@@ -121,7 +121,7 @@ fn columns<'a>(o: &DesignOutcome, first: &'a str) -> Vec<&'a str> {
 }
 
 fn share(change: Option<f64>) -> String {
-    change.map(|c| format!("{:+.1}", 100.0 * c)).unwrap_or_default()
+    change.map(|c| washboard::units::signed(100.0 * c, 1)).unwrap_or_default()
 }
 
 /// rms on the road: every output, by groups.
@@ -312,7 +312,8 @@ fn robustness(o: &DesignOutcome) -> String {
         text += &format!("one number by ±{:.0} %: the loop, and the goal at worst\n", 100.0 * all.share);
     }
     for r in rows {
-        let goal = r.goal.map(|g| format!(", {:+.1} %", 100.0 * g)).unwrap_or_default();
+        let goal =
+            r.goal.map(|g| format!(", {} %", washboard::units::signed(100.0 * g, 1))).unwrap_or_default();
         let worst = if r.worst.is_empty() { String::new() } else { format!(" ({})", r.worst) };
         text += &wrapped(&format!("{}, {} looked at: {}{goal}{worst}", r.what, r.count, r.stable_words()));
     }

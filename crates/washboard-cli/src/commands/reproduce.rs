@@ -10,8 +10,7 @@ use std::process::ExitCode;
 use washboard::files::{check_target_directory, write_directory};
 use washboard::report::{figure_svg, reproduce_page};
 use washboard::study::{
-    Check, Envelope, Listed, Relation, ReproduceOutcome, ReproduceSpec, errata_markdown, reproduce,
-    reproducible_list,
+    Check, Envelope, Listed, ReproduceOutcome, ReproduceSpec, errata_markdown, reproduce, reproducible_list,
 };
 
 /// Compute published numbers again, and say which agree, which are errors of the source, and why.
@@ -126,31 +125,12 @@ fn table(o: &ReproduceOutcome, written_nowhere: bool) -> String {
 }
 
 fn cells(c: &Check) -> Vec<String> {
-    let sign = match c.relation {
-        Relation::Equal => "",
-        Relation::AtMost => "≤ ",
-        Relation::AtLeast => "≥ ",
-    };
     let agrees = match (c.agrees, &c.erratum) {
         (true, _) => "yes".to_owned(),
         (false, Some(id)) => format!("no, {id}"),
         (false, None) => "no".to_owned(),
     };
-    let short = |x: f64| {
-        let kept: f64 = format!("{x:.6e}").parse().unwrap_or(x);
-        if kept != 0.0 && !(1e-4..1e7).contains(&kept.abs()) {
-            format!("{kept:e}")
-        } else {
-            (kept + 0.0).to_string()
-        }
-    };
     let note = c.reference_note.clone().unwrap_or_default();
-    vec![
-        c.quantity.clone(),
-        format!("{sign}{}", c.printed),
-        short(c.computed),
-        short(c.tolerance),
-        agrees,
-        note,
-    ]
+    let [published, computed, tolerance] = c.texts();
+    vec![c.quantity.clone(), published, computed, tolerance, agrees, note]
 }

@@ -77,7 +77,8 @@ fn table(o: &RespondOutcome) -> String {
             let settled = b.settling_s.get(name).copied().flatten();
             let settled = settled.map(|s| format!("{s:.2}")).unwrap_or_default();
             // the controller's peak over the passive one, less 1
-            let change = b.reduction.get(name).map(|r| format!("{:+.1}", -100.0 * r)).unwrap_or_default();
+            let change =
+                b.reduction.get(name).map(|r| washboard::units::signed(-100.0 * r, 1)).unwrap_or_default();
             let change = (!b.reduction.is_empty()).then_some(change);
             let cells = [name.to_owned(), unit(name), number(*peak), format!("{at:.3}")];
             rows.row(cells.into_iter().chain(change).chain([settled]));

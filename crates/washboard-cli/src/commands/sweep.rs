@@ -12,6 +12,7 @@ use washboard::study::{
     Input, Shard, StudyError, SweepDirectory, SweepOutcome, SweepPlan, SweepPoint, SweepSpec, point_list,
     sweep,
 };
+use washboard::units::signed;
 
 /// Design at every point of a grid; a run that was ended goes on where it was.
 #[derive(Debug, Args)]
@@ -97,15 +98,14 @@ pub fn table(o: &SweepOutcome) -> String {
     let mut head: Vec<String> = vec!["point".into()];
     head.extend(o.grid.iter().map(|a| format!("<{}", a.key)));
     head.extend(["<status".into(), "goal".into()]);
-    head.extend(responses.iter().map(|name| format!("{name} %")));
+    head.extend(responses.iter().map(|name| format!("{name} rms, to passive, %")));
     let head: Vec<&str> = head.iter().map(String::as_str).collect();
     let mut rows = Table::new(&head);
     for p in o.points.iter().take(MOST_ROWS) {
         let at = o.grid.iter().map(|a| p.at.get(&a.key).map(place).unwrap_or_default());
         let goal = ["verified", "limit"].iter().find_map(|n| p.objective.get(n)).copied();
-        let change = |name: &&str| {
-            p.rms_relative.get(name).map(|r| format!("{:+.1}", 100.0 * (r - 1.0))).unwrap_or_default()
-        };
+        let change =
+            |name: &&str| p.rms_relative.get(name).map(|r| signed(100.0 * (r - 1.0), 1)).unwrap_or_default();
         rows.row(
             std::iter::once(p.index.to_string())
                 .chain(at)

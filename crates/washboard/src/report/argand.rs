@@ -32,13 +32,14 @@ pub(super) fn argand(points: &[ShapePoint]) -> Html {
     ] {
         body.push(line(end, "rim"));
     }
-    for ([x, y], word) in [
+    let degrees = [
         ([MIDDLE + RADIUS + 12.0, MIDDLE], "0°"),
         ([MIDDLE, MIDDLE - RADIUS - 12.0], "90°"),
         ([MIDDLE - RADIUS - 13.0, MIDDLE], "180°"),
         ([MIDDLE, MIDDLE + RADIUS + 12.0], "−90°"),
-    ] {
-        body.push(text([x, y], "degrees", word));
+    ];
+    for (at, word) in degrees {
+        body.push(text(at, "degrees", word));
     }
     body.push(line([MIDDLE + RADIUS, MIDDLE], "hand"));
     let mut crowds: Vec<([f64; 2], Vec<usize>)> = Vec::new();
@@ -56,13 +57,18 @@ pub(super) fn argand(points: &[ShapePoint]) -> Html {
             None => crowds.push((end, vec![k + 1])),
         }
     }
+    // what a number is not to lie on: degrees, arrows, and the numbers before it
+    let mut busy: Vec<Extent> = degrees.iter().map(|(at, word)| Extent::of(*at, word)).collect();
+    for p in &points {
+        let end = tip(p);
+        let part = |k: usize| [0, 1].map(|c| MIDDLE + (end[c] - MIDDLE) * k as f64 / PARTS as f64);
+        busy.extend((0..=PARTS).map(part).map(|at| Extent { at, half: [2.0, 2.0] }));
+    }
     for (end, crowd) in crowds {
-        let (dx, dy) = (end[0] - MIDDLE, end[1] - MIDDLE);
-        let far = dx.hypot(dy);
-        // outwards, and above the middle for what does not move
-        let [dx, dy] = if far > TOGETHER { [dx / far, dy / far] } else { [0.0, -1.0] };
-        let away = 9.0 + 3.0 * (crowd.len() as f64 - 1.0) * dx.abs();
-        body.push(text([end[0] + away * dx, end[1] - 5.0 + away * dy], "number", &ranges(&crowd)));
+        let words = ranges(&crowd);
+        let place = beside(end, [MIDDLE; 2], &words, &busy);
+        body.push(text(place.at, "number", &words));
+        busy.push(place);
     }
     let around = [
         ("viewBox", "0 0 220 220"),
@@ -71,6 +77,50 @@ pub(super) fn argand(points: &[ShapePoint]) -> Html {
         ("aria-label", "Phases of the points"),
     ];
     classed("figure", "phases", element("svg", &around, body))
+}
+
+/// Parts of an arrow, each smaller than a letter.
+const PARTS: usize = 30;
+
+/// Where a text is: its middle, and half its width and height.
+#[derive(Debug, Clone, Copy)]
+struct Extent {
+    at: [f64; 2],
+    half: [f64; 2],
+}
+
+impl Extent {
+    fn of(at: [f64; 2], words: &str) -> Self {
+        Extent { at, half: [3.2 * words.chars().count() as f64, 6.0] }
+    }
+
+    fn meets(&self, other: &Extent) -> bool {
+        (0..2).all(|c| (self.at[c] - other.at[c]).abs() < self.half[c] + other.half[c])
+    }
+}
+
+/// The free place for a number beside an arrow's end, as far outwards as there is one.
+fn beside(end: [f64; 2], middle: [f64; 2], words: &str, busy: &[Extent]) -> Extent {
+    const TURNS: i32 = 12;
+    let (dx, dy) = (end[0] - middle[0], end[1] - middle[1]);
+    // upwards for what does not move
+    let outwards = if dx.hypot(dy) > 1.0 { dy.atan2(dx) } else { -std::f64::consts::FRAC_PI_2 };
+    let mut best: Option<(usize, Extent)> = None;
+    for away in [10.0, 14.0, 18.0, 24.0] {
+        for turn in 0..=TURNS {
+            for side in [1.0, -1.0] {
+                let angle = outwards + side * std::f64::consts::PI * f64::from(turn) / f64::from(TURNS);
+                let wide = Extent::of(end, words).half[0] - 3.2;
+                let at = [end[0] + (away + wide) * angle.cos(), end[1] + away * angle.sin()];
+                let place = Extent::of(at, words);
+                let met = busy.iter().filter(|b| b.meets(&place)).count();
+                if best.is_none_or(|(least, _)| met < least) {
+                    best = Some((met, place));
+                }
+            }
+        }
+    }
+    best.map_or_else(|| Extent::of(end, words), |(_, place)| place)
 }
 
 /// 1–4, 7.
@@ -93,6 +143,20 @@ fn ranges(numbers: &[usize]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_number_lies_on_no_degree_and_on_no_arrow() {
+        let zero = Extent::of([206.0, 110.0], "0°");
+        let arrow: Vec<Extent> =
+            (0..=84).map(|k| Extent { at: [110.0 + f64::from(k), 110.0], half: [2.0, 2.0] }).collect();
+        let mut busy = arrow;
+        busy.push(zero);
+        for words in ["1, 2", "3, 4"] {
+            let place = beside([194.0, 110.0], [110.0; 2], words, &busy);
+            assert!(busy.iter().all(|b| !b.meets(&place)), "{words} {place:?}");
+            busy.push(place);
+        }
+    }
 
     #[test]
     fn numbers_in_a_row_are_a_range() {

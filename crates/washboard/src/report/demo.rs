@@ -53,8 +53,8 @@ pub fn demo_page(outcome: &DemoOutcome, title: &str) -> String {
         sections.splice(after_truth..after_truth, story);
     }
     let top = outcome.designs.as_ref().map_or_else(Html::default, story);
-    let shown = outcome.designs.iter().flat_map(|d| &d.methods).map(|m| m.on_identified.warnings.len());
-    let warnings = shown.sum();
+    let warned = |d: &DemoDesigns| d.methods.iter().map(|m| m.warnings(&d.passive).len()).sum::<usize>();
+    let warnings = outcome.designs.as_ref().map_or(0, warned);
     let page = Page {
         title,
         subtitle: headline::subtitle(found),
@@ -78,7 +78,7 @@ fn story(d: &DemoDesigns) -> Html {
                 capital(&m.title),
                 signed(a, 1),
                 signed(b, 1),
-                match m.on_identified.warnings.len() {
+                match m.warnings(&d.passive).len() {
                     0 => String::new(),
                     1 => " Before it is built: one warning, below.".to_owned(),
                     n => format!(" Before it is built: {n} warnings, below."),
@@ -175,14 +175,14 @@ fn buys(d: &DemoDesigns, plots: &mut Plots) -> Html {
         for (whose, c) in [("identified", &m.on_identified), ("true", &m.on_true)] {
             body.push(note(told(whose, c)));
         }
-        m.beyond_bounds(&d.passive).into_iter().for_each(|words| body.push(note(capital(&words) + ".")));
-        if !m.on_identified.warnings.is_empty() {
+        let warnings = m.warnings(&d.passive);
+        if !warnings.is_empty() {
             let words = format!("Warnings of the design on the identified car, {}:", m.title);
-            body.push(paragraph(words).and(headline::flags(&m.on_identified.warnings)));
+            body.push(paragraph(words).and(headline::flags(&warnings)));
         }
     }
     if let Some(picture) = demo_svg_html(d) {
-        body.push(element("figure", &[("class", "wide")], picture));
+        body.push(classed("div", "scroll", classed("figure", "picture", picture)));
     }
     let mut grid = Html::default();
     for (name, title, unit) in SPECTRA {
@@ -194,15 +194,19 @@ fn buys(d: &DemoDesigns, plots: &mut Plots) -> Html {
             Axis::new("spectral density", unit, true),
         );
         plot.group = "demo".to_owned();
-        let curves =
-            std::iter::once(("passive".to_owned(), Some(passive))).chain(d.methods.iter().flat_map(|m| {
-                [("identified", &m.on_identified), ("true", &m.on_true)].map(|(whose, c)| {
-                    (format!("{}, {whose}", m.title), c.ride.as_ref().and_then(|r| r.psd.get(name)))
-                })
-            }));
-        for (sign, (label, values)) in curves.enumerate() {
+        let mut curve = |label: String, role: Role, sign: usize, values: Option<&Vec<f64>>| {
             let y = values.map(|v| v.iter().map(|v| Some(*v)).collect()).unwrap_or_default();
-            plot.push(Series { label, role: Role::Line, y, sign, ..Series::default() });
+            plot.push(Series { label, role, y, sign, ..Series::default() });
+        };
+        curve("passive".to_owned(), Role::Passive, 0, Some(passive));
+        let of = |c: &DemoController| c.ride.as_ref().and_then(|r| r.psd.get(name)).cloned();
+        for (sign, m) in d.methods.iter().enumerate() {
+            curve(m.title.clone(), Role::Designed, sign, of(&m.on_identified).as_ref());
+        }
+        // dotted, and so over the lines that they are like
+        for (sign, m) in d.methods.iter().enumerate() {
+            let label = format!("{}, with the truth", m.title);
+            curve(label, Role::DesignedTrue, sign, of(&m.on_true).as_ref());
         }
         grid.push(plots.add(plot));
     }
@@ -232,5 +236,98 @@ fn further(d: &DemoDesigns) -> Html {
         }
     }
     paragraph("Beside this page stand vehicle.toml, road.toml, filter.toml, and a design file and its controller a method. In this folder:")
-        .and(element("pre", &[], lines.join("\n")))
+        .and(element("pre", &[("class", "lines")], lines.join("\n")))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::report::demo_picture::demo_svg;
+    use crate::study::{DemoBound, DesignStatus, Flag, Named};
+
+    fn named<T>(value: T, name: &str) -> Named<T> {
+        std::iter::once((name.to_owned(), value)).collect()
+    }
+
+    /// One method whose true car exceeds a bound, and whose spectrum is low.
+    fn outcome() -> DemoOutcome {
+        let ride = |share: f64, psd: f64| DemoRide {
+            rms: OUTPUTS[..6].iter().map(|(n, _)| ((*n).to_owned(), Rms::Finite(share))).collect(),
+            hinf: Named::default(),
+            psd: named(vec![psd, psd], SPECTRA[0].0),
+        };
+        let controller = |share: f64, psd: f64| DemoController {
+            status: DesignStatus::Designed,
+            why: None,
+            warnings: vec![Flag { name: "peak".into(), text: "a peak".into() }],
+            bounds: vec![DemoBound {
+                name: "tire_deflection".into(),
+                bound: 1.1,
+                kept: Some(1.1),
+                with_exact_delay: Some(1.14),
+            }],
+            delay_order: 4,
+            order: Some(2),
+            expected: None,
+            ride: Some(ride(share, psd)),
+        };
+        let method = |name: &str, psd: f64| DemoMethod {
+            name: name.into(),
+            title: name.into(),
+            method: name.into(),
+            minimized: "body_acceleration".into(),
+            on_identified: controller(1.14, psd),
+            on_true: controller(1.14, psd),
+            difference: Named::default(),
+        };
+        let filter = DemoFilter {
+            order: 1,
+            states: 1,
+            poles: Vec::new(),
+            band_rad_per_m: [0.1, 1.0],
+            rounded_below_rad_per_m: 0.02,
+            log10_rms_error: 0.01,
+            log10_max_error: 0.01,
+            nu_rad_per_m: vec![0.1, 1.0],
+            given: vec![1.0, 1.0],
+            fitted: vec![1.0, 1.0],
+        };
+        let designs = DemoDesigns {
+            speed_m_s: 20.0,
+            filter: filter.clone(),
+            true_filter: filter,
+            passive: ride(1.0, 1.0),
+            methods: vec![method("one", 1e-9), method("two", 0.5)],
+            units: Named::default(),
+            freq_hz: vec![1.0, 10.0],
+        };
+        DemoOutcome { designs: Some(designs), ..DemoOutcome::default() }
+    }
+
+    #[test]
+    fn every_warning_is_counted_and_in_the_list() {
+        let page = demo_page(&outcome(), "d");
+        // one of the design and one of the bound, twice
+        assert!(page.contains("Designs: 4 warnings, below") && page.contains("2 warnings, below."));
+        assert_eq!(page.matches("<code>beyond-bound</code>").count(), 2);
+        assert_eq!(page.matches("<code>peak</code>").count(), 2);
+    }
+
+    #[test]
+    fn a_method_has_one_colour_in_picture_and_plots_and_the_picture_scrolls_by_itself() {
+        let page = demo_page(&outcome(), "d");
+        for role in ["passive", "designed", "designed-true"] {
+            assert!(page.contains(&format!("\"role\":\"{role}\"")), "{role}");
+        }
+        assert!(page.contains("<div class=\"scroll\"><figure class=\"picture\"><svg "));
+    }
+
+    #[test]
+    fn a_spectrum_below_the_frame_is_cut_and_no_line_at_its_end() {
+        let svg = demo_svg(&outcome()).unwrap();
+        let (_, low) = svg.split_once("clip-path=\"url(#frame)\"").unwrap();
+        assert!(svg.contains("<clipPath id=\"frame\">"));
+        // the flat spectrum of 10⁻⁹ lies below the frame's lower end
+        assert!(low.contains(",332.0 ") && !low.contains(",320.0 "), "{low}");
+    }
 }

@@ -25,6 +25,8 @@ const SHOWN: [(&str, &str); 3] = [
 const SPECTRUM: &str = "body_acceleration_front_left";
 /// Decades of the spectrum below its largest value that are drawn.
 const DECADES: f64 = 4.0;
+/// A curve goes so far below the frame, where nobody sees it.
+const BELOW: f64 = 12.0;
 
 /// rms over the passive one, where both are finite.
 pub(super) fn relative(ride: &DemoRide, passive: &DemoRide, name: &str) -> Option<f64> {
@@ -80,7 +82,8 @@ fn spectra(d: &DemoDesigns) -> Html {
     let (Some(first), Some(last)) = (d.freq_hz.first(), d.freq_hz.last()) else { return Html::default() };
     let most = passive.iter().copied().fold(f64::MIN_POSITIVE, f64::max).log10().ceil();
     let x = |f: f64| left + (f / first).ln() / (last / first).ln() * (right - left);
-    let y = |s: f64| (top + (most - s.log10()) / DECADES * (bottom - top)).clamp(top, bottom);
+    // what is below the frame is cut off, and not drawn along its end
+    let y = |s: f64| (top + (most - s.log10()) / DECADES * (bottom - top)).clamp(top, bottom + BELOW);
     let mut all =
         text([left, 54.0], "start", "13", INK, "Spectrum of the body’s acceleration, front left, (m/s²)²/Hz");
     for k in 0..=DECADES as i32 {
@@ -95,6 +98,7 @@ fn spectra(d: &DemoDesigns) -> Html {
         }
     }
     all.push(text([(left + right) / 2.0, bottom + 36.0], "middle", "12", SOFT, "frequency, Hz"));
+    let mut curves = Html::default();
     let mut curve = |values: &[f64], colour: &str, dash: &str, width: &str| {
         let at = d.freq_hz.iter().zip(values).filter(|(_, s)| **s > 0.0);
         let at: Vec<String> =
@@ -107,7 +111,7 @@ fn spectra(d: &DemoDesigns) -> Html {
             ("stroke-dasharray", dash.to_owned()),
         ];
         let attributes: Vec<(&str, &str)> = attributes.iter().map(|(k, v)| (*k, v.as_str())).collect();
-        all.push(element("polyline", &attributes, ""));
+        curves.push(element("polyline", &attributes, ""));
     };
     curve(passive, SOFT, "", "2");
     for (m, colour) in d.methods.iter().zip(COLOURS) {
@@ -119,7 +123,10 @@ fn spectra(d: &DemoDesigns) -> Html {
             curve(&values, INK, "3 4", "1.2");
         }
     }
-    all
+    let [x, y, width, height] = [left, top, right - left, bottom - top].map(coordinate);
+    let frame = [("x", x.as_str()), ("y", &y), ("width", &width), ("height", &height)];
+    all.push(element("clipPath", &[("id", "frame")], element("rect", &frame, "")));
+    all.and(element("g", &[("clip-path", "url(#frame)")], curves))
 }
 
 fn raised(n: i32) -> String {

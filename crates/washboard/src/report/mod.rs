@@ -38,6 +38,7 @@ mod stabilization;
 mod sweep;
 mod sweep_chart;
 mod sweep_detail;
+mod sweep_keys;
 mod sweep_parallel;
 mod tried;
 mod truth;

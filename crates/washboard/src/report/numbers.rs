@@ -85,10 +85,11 @@ pub(super) fn fixed(value: f64, decimals: i32) -> String {
     }
 }
 
-/// The same with its sign always.
+/// The same with its sign, which nothing has that is 0 when it is rounded.
 pub(super) fn signed(value: f64, decimals: i32) -> String {
     let text = fixed(value, decimals);
-    if value > 0.0 { format!("+{text}") } else { text }
+    let is_zero = text.chars().all(|c| matches!(c, '0' | '.'));
+    if value > 0.0 && !is_zero { format!("+{text}") } else { text }
 }
 
 /// 10⁻⁶ …
@@ -162,7 +163,7 @@ mod tests {
         assert_eq!(significant(-1.5e12, 2), "−1.5·10¹²");
         assert_eq!(fixed(-0.0001, 2), "0.00");
         assert_eq!([plain(200.0), plain(0.4), plain(5.12)], ["200", "0.4", "5.12"]);
-        assert_eq!(signed(0.25, 1), "+0.2");
+        assert_eq!([signed(0.25, 1), signed(0.004, 2), signed(-0.004, 2)], ["+0.2", "0.00", "0.00"]);
         assert_eq!(power_of_ten(-106), "10⁻¹⁰⁶");
         assert_eq!(power_of_ten(45789), "10⁴⁵⁷⁸⁹");
     }

@@ -106,6 +106,12 @@ pub(super) enum Role {
     After,
     /// One of several computed curves; its sign gives colour and dashes.
     Line,
+    /// Without control: grey.
+    Passive,
+    /// Of the controller of a method, whose colour its sign gives: `demo`'s picture has the same.
+    Designed,
+    /// Of the one that was designed with the truth: dark and dotted or dashed by its sign.
+    DesignedTrue,
     /// Ends of an interval about the measured curve.
     MeasuredHigh,
     /// The lower one.

@@ -1,12 +1,10 @@
 //! The page of a reproduction: every published number beside the computed one, the figures, the errata.
 
+use super::design::capital;
 use super::html::{Html, classed, element, note, paragraph, table};
 use super::page::{Page, Section};
 use super::plot::{Axis, Plot, Plots, Role, Series};
-use crate::study::{Check, Erratum, Figure, Relation, ReproduceOutcome, Titled};
-
-/// Digits of a computed number: more than any source prints.
-const DIGITS: usize = 7;
+use crate::study::{Check, Erratum, Figure, ReproduceOutcome, Titled, chapter_of, number_text as number};
 
 /// The page of a reproduction, from its outcome alone: offline, and the same bytes for the same outcome.
 ///
@@ -21,17 +19,20 @@ pub fn reproduce_page(outcome: &ReproduceOutcome) -> String {
     let section = |id: &'static str, heading: &'static str, body: Html| {
         (body != Html::default()).then_some(Section { id, heading, body })
     };
-    let figures = figures(&outcome.figures, &mut plots);
+    let chapters = chapters(outcome);
+    let figures = chapters.iter().map(|c| figures(c, &outcome.figures, &mut plots)).collect();
+    let excused = rows_of(outcome, |c| !c.agrees && c.erratum.is_some());
     let sections = [
         section("open", "Neither equal nor excused", rows_of(outcome, |c| !c.is_settled())),
+        section("excused", "Numbers that the source has wrong", excused),
         section("figures", "Figures", figures),
-        section("numbers", "Numbers", outcome.titles.iter().map(|t| item(t, &outcome.items)).collect()),
+        section("numbers", "Numbers", chapters.iter().map(|c| numbers(c, outcome)).collect()),
         section("errata", "Errata of the sources", outcome.errata.iter().map(erratum).collect()),
     ];
     let page = Page {
         title: "Published and computed",
         subtitle: subtitle(outcome),
-        top: headline(outcome),
+        top: headline(outcome).and(contents(&chapters, outcome)),
         sections: sections.into_iter().flatten().collect(),
         foot: foot(),
         plots,
@@ -61,22 +62,62 @@ fn headline(o: &ReproduceOutcome) -> Html {
     element("section", &[("class", &format!("verdict {class}")), ("id", "result")], inside)
 }
 
-fn number(x: f64) -> String {
-    let kept: f64 = format!("{x:.*e}", DIGITS - 1).parse().unwrap_or(x);
-    let text = if kept != 0.0 && !(1e-4..1e7).contains(&kept.abs()) {
-        format!("{kept:e}")
-    } else {
-        (kept + 0.0).to_string()
+/// Parts of the sources in their order, as `thesis.ch-4`.
+fn chapters(o: &ReproduceOutcome) -> Vec<String> {
+    let mut all: Vec<String> = Vec::new();
+    for name in o.titles.iter().map(|t| &t.item).chain(o.figures.iter().map(|f| &f.name)) {
+        let chapter = chapter_of(name);
+        if !all.contains(&chapter) {
+            all.push(chapter);
+        }
+    }
+    all
+}
+
+fn chapter_words(chapter: &str) -> String {
+    match chapter.split_once(".ch-") {
+        Some((source, number)) => format!("{}, chapter {number}", capital(source)),
+        None => capital(chapter),
+    }
+}
+
+/// Links to what each chapter has; none of a page with one chapter.
+fn contents(chapters: &[String], o: &ReproduceOutcome) -> Html {
+    if chapters.len() < 2 {
+        return Html::default();
+    }
+    let link = |kind: &str, chapter: &str, n: usize| match n {
+        0 => element("span", &[], ""),
+        1 => element(
+            "a",
+            &[("href", &format!("#{kind}-{chapter}"))],
+            format!("1 {}", kind.trim_end_matches('s')),
+        ),
+        n => element("a", &[("href", &format!("#{kind}-{chapter}"))], format!("{n} {kind}")),
     };
-    text.replace('-', "−")
+    let row = |c: &String| {
+        let drawn = o.figures.iter().filter(|f| chapter_of(&f.name) == *c).count();
+        let compared = o.items.iter().filter(|i| chapter_of(&i.item) == *c).count();
+        let name = element("span", &[], chapter_words(c));
+        name.and(link("figures", c, drawn)).and(link("numbers", c, compared))
+    };
+    let rows: Html = chapters.iter().map(row).collect();
+    element("nav", &[("class", "chapters"), ("aria-label", "Chapters")], rows)
+}
+
+/// A chapter's heading, to which its link leads.
+fn heading(kind: &str, chapter: &str) -> Html {
+    element("h3", &[("id", &format!("{kind}-{chapter}"))], chapter_words(chapter))
+}
+
+fn numbers(chapter: &str, o: &ReproduceOutcome) -> Html {
+    let own = o.titles.iter().filter(|t| chapter_of(&t.item) == chapter);
+    let all: Html = own.map(|t| item(t, &o.items)).collect();
+    if all == Html::default() { all } else { heading("numbers", chapter).and(all) }
 }
 
 fn row(c: &Check, with_item: bool) -> Vec<Html> {
-    let published = match c.relation {
-        Relation::Equal => c.printed.replace('-', "−"),
-        Relation::AtMost => format!("≤ {}", c.printed),
-        Relation::AtLeast => format!("≥ {}", c.printed),
-    };
+    let [published, computed, tolerance] = c.texts();
     let verdict = match (c.agrees, &c.erratum) {
         (true, _) => Html::from("agrees"),
         (false, Some(id)) => element("a", &[("href", &format!("#{id}"))], format!("erratum {id}")),
@@ -87,8 +128,8 @@ fn row(c: &Check, with_item: bool) -> Vec<Html> {
     cells.extend([
         c.quantity.as_str().into(),
         published.into(),
-        number(c.computed).into(),
-        number(c.tolerance).into(),
+        computed.into(),
+        tolerance.into(),
         verdict,
         note.into(),
     ]);
@@ -118,9 +159,10 @@ fn item(titled: &Titled, checks: &[Check]) -> Html {
     element("details", &[("id", &titled.item), ("open", "")], inside)
 }
 
-fn figures(all: &[Figure], plots: &mut Plots) -> Html {
-    let grid: Html = all.iter().map(|f| plots.add(plot(f))).collect();
-    if grid == Html::default() { grid } else { classed("div", "grid", grid) }
+fn figures(chapter: &str, all: &[Figure], plots: &mut Plots) -> Html {
+    let own = all.iter().filter(|f| chapter_of(&f.name) == chapter);
+    let grid: Html = own.map(|f| plots.add(plot(f))).collect();
+    if grid == Html::default() { grid } else { heading("figures", chapter).and(classed("div", "grid", grid)) }
 }
 
 fn plot(f: &Figure) -> Plot {
@@ -157,7 +199,7 @@ fn foot() -> Html {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::study::{Counts, Curve, Evidence};
+    use crate::study::{Counts, Curve, Evidence, Relation};
 
     fn outcome() -> ReproduceOutcome {
         let check = |agrees: bool, erratum: Option<&str>| Check {
@@ -175,7 +217,7 @@ mod tests {
         ReproduceOutcome {
             items: vec![check(true, None), check(false, Some("E0.1")), check(false, None)],
             titles: vec![Titled { item: "thesis.sec-0.0".into(), title: "t".into() }],
-            counts: Counts { checks: 3, agree: 1, excused: 1, open: 1, inputs: 0 },
+            counts: Counts { checks: 3, agree: 1, excused: 1, open: 1, ..Counts::default() },
             figures: vec![Figure {
                 name: "thesis.fig-0.1".into(),
                 title: "f".into(),
@@ -207,5 +249,30 @@ mod tests {
         assert!(page.contains("\"role\":\"line\"") && page.contains("thesis.fig-0.2"));
         assert!(page.contains("<section id=\"open\">"));
         assert_eq!(page, reproduce_page(&outcome()));
+    }
+    #[test]
+    fn links_lead_to_every_chapter_and_errors_are_at_the_front() {
+        let mut o = outcome();
+        assert!(!reproduce_page(&o).contains("aria-label=\"Chapters\""), "one chapter needs no list");
+        o.titles.push(Titled { item: "paper.table-1".into(), title: "t".into() });
+        o.items.push(Check {
+            item: "paper.table-1".into(),
+            printed: "2560000000".into(),
+            ..o.items[0].clone()
+        });
+        let page = reproduce_page(&o);
+        for (to, words) in [
+            ("numbers-thesis.ch-0", "3 numbers"),
+            ("figures-thesis.ch-0", "1 figure"),
+            ("numbers-paper", "1 number"),
+        ] {
+            assert!(page.contains(&format!("<a href=\"#{to}\">{words}</a>")), "{to}");
+            assert!(page.contains(&format!("<h3 id=\"{to}\">")), "{to}");
+        }
+        assert!(page.contains("Thesis, chapter 0") && !page.contains("figures-paper"));
+        assert!(page.contains(">2.56e9<") && !page.contains(">2560000000<"));
+        // the excused one is in a table of its own, before the figures
+        let excused = page.find("<section id=\"excused\">").unwrap();
+        assert!(excused < page.find("<section id=\"figures\">").unwrap());
     }
 }

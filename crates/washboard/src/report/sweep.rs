@@ -6,6 +6,7 @@ use super::page::{Page, Section};
 use super::plot::Plots;
 use super::sweep_chart::{Chart, Dot, Stroke};
 use super::sweep_detail::chosen;
+use super::sweep_keys::{compared, key_label};
 use super::sweep_parallel::{parallel, parallel_metrics};
 use crate::study::{SweepDetail, SweepOutcome, SweepPoint, non_dominated};
 use serde_json::Value;
@@ -100,6 +101,7 @@ fn headline(o: &SweepOutcome, names: &[&str], front: &[bool]) -> Html {
         let are = if n == 1 { "is" } else { "are" };
         inside = inside.and(paragraph(format!("{n} {are} better than the passive vehicle in all of these.")));
     }
+    inside = inside.and(compared(o).map(paragraph).unwrap_or_default());
     element("section", &[("class", &format!("verdict {class}")), ("id", "result")], inside)
 }
 
@@ -123,16 +125,19 @@ fn pareto(o: &SweepOutcome, names: &[&str], front: &[bool]) -> Option<Html> {
                 x_label: format!("rms of {a} over passive"),
                 y_label: format!("rms of {b} over passive"),
                 dots: o.points.iter().enumerate().filter_map(dot).collect(),
-                strokes: vec![Stroke { class: "edge", colour: String::new(), points: edge }],
+                strokes: vec![Stroke { class: "edge", label: "", colour: String::new(), points: edge }],
                 passive: [Some(1.0), Some(1.0)],
             };
             grid.push(chart.draw().unwrap_or_default());
         }
     }
-    let remark = note(
+    let passive =
+        if compared(o).is_some() { "each point's own passive vehicle" } else { "the passive vehicle" };
+    let remark = note(format!(
         "Smaller is better. The line joins points that no other beats in both; dark dots are beaten by none in all outputs \
-         shown. Dashed: the passive vehicle. Click a dot, a line or a row to see the point everywhere.",
-    );
+         shown. Dashed: {passive}. Orange: the point that is chosen, which is the first of the dark ones until you click a dot, a \
+         line or a row."
+    ));
     (grid != Html::default()).then(|| classed("div", "grid", grid).and(remark))
 }
 
@@ -158,34 +163,51 @@ fn along(o: &SweepOutcome, names: &[&str]) -> Option<Html> {
     let chart = |title: String,
                  label: String,
                  of: Take<'_>,
-                 beside: Vec<(&'static str, Take<'_>)>,
+                 beside: Vec<(&'static str, &'static str, Take<'_>)>,
                  passive: Option<f64>| {
         let mut strokes = Vec::new();
-        for (class, take) in beside.iter().map(|(c, t)| (*c, t)).chain([("row", &of)]) {
+        for (class, label, take) in beside.iter().map(|(c, l, t)| (*c, *l, t)).chain([("row", "", &of)]) {
             for (k, (_, row)) in rows.iter().enumerate() {
                 let mut points: Vec<[f64; 2]> = row.iter().filter_map(|p| Some([x(p)?, take(p)?])).collect();
                 points.sort_by(|a, b| a[0].total_cmp(&b[0]));
                 if points.len() > 1 {
                     let colour = if class == "row" { shade(k, rows.len()) } else { String::new() };
-                    strokes.push(Stroke { class, colour, points });
+                    strokes.push(Stroke { class, label, colour, points });
                 }
             }
         }
-        // equal lines of several rows once
+        // equal lines of several rows once, and one name for all of a kind
         strokes.dedup();
+        for k in 1..strokes.len() {
+            if strokes[..k].iter().any(|s| s.class == strokes[k].class && s.label == strokes[k].label) {
+                strokes[k].label = "";
+            }
+        }
         let dot = |p: &SweepPoint| {
             let (x, y) = (x(p)?, of(p)?);
             let title = format!("point {}: {}\n{y:.5}", p.index, place_text(o, p));
             Some(Dot { index: p.index, x, y, front: true, title })
         };
         let dots = o.points.iter().filter_map(dot).collect();
-        Chart { title, x_label: axis.key.clone(), y_label: label, dots, strokes, passive: [None, passive] }
-            .draw()
+        Chart {
+            title,
+            x_label: key_label(&axis.key),
+            y_label: label,
+            dots,
+            strokes,
+            passive: [None, passive],
+        }
+        .draw()
     };
     let goal = |name: &'static str| -> Take<'_> { Box::new(move |p| p.objective.get(name).copied()) };
     let value: Take<'_> =
         Box::new(|p| ["verified", "limit"].iter().find_map(|n| p.objective.get(n)).copied());
-    let beside = vec![("passive", goal("passive")), ("limit", goal("limit"))];
+    let proven: Take<'_> = Box::new(|p| p.lower_bound);
+    let beside = vec![
+        ("passive", "passive", goal("passive")),
+        ("limit", "limit", goal("limit")),
+        ("limit", "lower bound", proven),
+    ];
     let mut grid = chart("The goal".into(), "goal".into(), value, beside, None).unwrap_or_default();
     for name in names {
         let of: Take<'_> = Box::new(move |p| p.rms_relative.get(name).copied());
@@ -194,9 +216,20 @@ fn along(o: &SweepOutcome, names: &[&str]) -> Option<Html> {
                 .unwrap_or_default(),
         );
     }
-    let words = "Dashed: the passive vehicle. Green, where there is one: what no controller goes below (objective.limit).";
+    let mut words = vec!["Dashed: the passive vehicle.".to_owned()];
+    if o.points.iter().any(|p| p.objective.get("limit").is_some() || p.lower_bound.is_some()) {
+        words.push("Green: what no controller goes below.".to_owned());
+    }
+    words.extend(goal_words(o));
+    let words = words.join(" ");
     let names: Vec<&str> = rows.iter().map(|(name, _)| name.as_str()).collect();
     (grid != Html::default()).then(|| legend(&names).and(classed("div", "grid", grid)).and(note(words)))
+}
+
+/// What the goal is; nothing where no point says it.
+fn goal_words(o: &SweepOutcome) -> Option<String> {
+    let words = o.goal.as_ref()?;
+    Some(format!("The goal: {words}; norms are over the passive ones, so that it has no unit."))
 }
 
 /// The colour of a row of so many, from the first to the last.
@@ -221,8 +254,8 @@ fn legend(names: &[&str]) -> Html {
         (0..MOST_NAMES).map(|i| i * (n - 1) / (MOST_NAMES - 1)).collect()
     };
     let entry = |k: &usize| {
-        let look = format!("color: {}", shade(*k, n));
-        let mark = element("span", &[("style", look.as_str()), ("aria-hidden", "true")], "━ ");
+        let bar = element("rect", &[("width", "16"), ("height", "4"), ("fill", &shade(*k, n))], "");
+        let mark = element("svg", &[("class", "key"), ("viewBox", "0 0 16 4"), ("aria-hidden", "true")], bar);
         classed("span", "entry", mark.and(names[*k]).and("\u{2003}"))
     };
     let rest = if shown.len() < n { "the others between them" } else { "" };
@@ -247,7 +280,10 @@ fn table(o: &SweepOutcome, names: &[&str], front: &[bool]) -> Html {
             if a.values.iter().all(Value::is_number) { format!("#{}", a.key) } else { a.key.clone() }
         }),
     );
-    heads.extend(["status".to_owned(), "#goal".to_owned(), "#order".to_owned()]);
+    heads.extend(["status".to_owned(), "#goal".to_owned()]);
+    let bounded = o.points.iter().any(|p| p.lower_bound.is_some());
+    heads.extend(bounded.then(|| "#none below".to_owned()));
+    heads.push("#order".to_owned());
     heads.extend(names.iter().map(|n| format!("#{n} rms, %")));
     let metrics = o.metric_names();
     heads.extend(metrics.iter().map(|n| format!("#{}", n.replace('_', " "))));
@@ -262,6 +298,7 @@ fn table(o: &SweepOutcome, names: &[&str], front: &[bool]) -> Html {
         cells.extend(o.grid.iter().map(|a| p.at.get(&a.key).map(value_text).unwrap_or_default()));
         cells.push(p.status.name().to_owned());
         cells.push(goal.map(|v| significant(v, 4)).unwrap_or_default());
+        cells.extend(bounded.then(|| p.lower_bound.map(|v| significant(v, 4)).unwrap_or_default()));
         cells.push(p.order.map(|n| n.to_string()).unwrap_or_default());
         let change =
             |n: &&str| p.rms_relative.get(n).map(|r| signed(100.0 * (r - 1.0), 1)).unwrap_or_default();
@@ -286,8 +323,10 @@ fn table(o: &SweepOutcome, names: &[&str], front: &[bool]) -> Html {
     } else {
         " Metrics are the loop's, in SI units; an empty cell is infinite, or has not settled."
     };
+    let proven =
+        if bounded { " None below: what no controller of any order goes below, of the goal." } else { "" };
     let words = format!(
-        "Bold: on the Pareto front, beaten by no other point{all}. rms are changes to the passive vehicle's.{empty} table.csv has every \
+        "Bold: on the Pareto front, beaten by no other point{all}. rms are changes to the passive vehicle's.{empty}{proven} table.csv has every \
          output, points/ every design."
     );
     classed("div", "scroll", inside).and(note(words))
@@ -298,7 +337,10 @@ fn classed_head(class: &str, title: &str) -> Html {
     if !class.is_empty() {
         attributes.push(("class", class));
     }
-    element("th", &attributes, title)
+    // long keys may be broken behind a dot or a dash
+    let pieces = title.split_inclusive(['.', '_']).map(Html::from);
+    let inside = pieces.reduce(|all, piece| all.and(Html::own("<wbr>")).and(piece)).unwrap_or_default();
+    element("th", &attributes, inside)
 }
 
 #[cfg(test)]
@@ -326,6 +368,7 @@ mod tests {
             hinf_relative: Named::default(),
             metrics: Named::default(),
             warnings: vec![NASTY.to_owned()],
+            lower_bound: None,
             controller: rms.map(|_| NASTY.to_owned()),
         }
     }
@@ -337,6 +380,7 @@ mod tests {
         SweepOutcome {
             grid: vec![SweepAxis { key: NASTY.into(), values }],
             warm_start: false,
+            goal: None,
             counts: [("designed".to_owned(), 3), ("stalled".to_owned(), 1)].into_iter().collect(),
             missing: Vec::new(),
             points,
@@ -362,5 +406,44 @@ mod tests {
         assert_eq!(page.matches("data-point=\"3\"").count(), 2);
         assert!(page.contains("1 is better than the passive vehicle in all"));
         assert!(page.contains("2 of them are beaten by no other"), "point 2 is beaten by point 1");
+    }
+    /// Two axes, the first of the vehicle.
+    fn plane() -> SweepOutcome {
+        let mut o = outcome();
+        let keys = ["override.tire_damping_n_s_per_m", "goal.order"];
+        for (k, p) in o.points.iter_mut().enumerate() {
+            p.at =
+                keys.iter().zip([k / 2, k % 2]).map(|(key, v)| ((*key).to_owned(), Value::from(v))).collect();
+        }
+        let axis =
+            |key: &&str| SweepAxis { key: (*key).to_owned(), values: vec![Value::from(0), Value::from(1)] };
+        o.grid = keys.iter().map(axis).collect();
+        o
+    }
+
+    #[test]
+    fn colours_are_attributes_as_the_policy_forbids_styles() {
+        let page = sweep_page(&plane(), &[], "s");
+        assert!(page.contains(" stroke=\"rgb(") && page.contains(" fill=\"rgb("));
+        assert!(!page.contains(" style=\""));
+    }
+
+    #[test]
+    fn what_points_are_compared_with_and_what_the_goal_is_are_said() {
+        let mut o = plane();
+        let page = sweep_page(&o, &[], "s");
+        assert!(page.contains("override.tire_damping_n_s_per_m changes it"));
+        assert!(page.contains("override.<wbr>tire_<wbr>damping_<wbr>n_"));
+        // nothing is green, and no goal is known
+        assert!(!page.contains("Green:") && !page.contains("The goal:") && !page.contains("none below"));
+        o.goal = Some("largest of the weighted peak gains".into());
+        o.points[0].lower_bound = Some(0.42);
+        o.points[1].lower_bound = Some(0.41);
+        let page = sweep_page(&o, &[], "s");
+        assert!(page.contains("Green:") && page.contains("The goal: largest of the weighted peak gains;"));
+        assert!(
+            page.contains("none below") && page.contains(">0.4200<") && page.contains(">lower bound</text>")
+        );
+        assert!(!sweep_page(&outcome(), &[], "s").contains("own passive"));
     }
 }

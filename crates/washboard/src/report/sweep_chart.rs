@@ -30,6 +30,8 @@ pub(super) struct Dot {
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Stroke {
     pub class: &'static str,
+    /// What it is, written beside it; empty for none.
+    pub label: &'static str,
     /// Its own; what the class says where it is empty.
     pub colour: String,
     pub points: Vec<[f64; 2]>,
@@ -137,13 +139,12 @@ impl Chart {
         }
         if let Some(v) = self.passive[1] {
             body.push(line([left, y.at(v)], [right, y.at(v)], "passive"));
-            body.push(text(right - 3.0, y.at(v) - 5.0, "word", "passive"));
         }
         for s in &self.strokes {
             let places = joined(s.points.iter().map(|p| [x.at(p[0]), y.at(p[1])]));
-            let look = format!("stroke: {}", s.colour);
             let mut around = vec![("points", places.as_str()), ("class", s.class)];
-            around.extend((!s.colour.is_empty()).then_some(("style", look.as_str())));
+            // an attribute of its own: the page's policy forbids styles at elements
+            around.extend((!s.colour.is_empty()).then_some(("stroke", s.colour.as_str())));
             body.push(element("polyline", &around, ""));
         }
         let mut dots = Html::default();
@@ -159,6 +160,7 @@ impl Chart {
             }
         }
         body.push(element("g", &[], dots));
+        body.push(self.words(&x, &y));
         body.push(text(0.5 * (left + right), HEIGHT - 10.0, "label", &self.x_label));
         let turned = format!("rotate(-90 14 {})", coordinate(0.5 * (top + bottom)));
         let place = [
@@ -177,6 +179,59 @@ impl Chart {
             element("figcaption", &[], self.title.as_str()).and(element("svg", &around, body)),
         ))
     }
+
+    /// Names of lines, each beside its own and where the fewest others are.
+    fn words(&self, x: &Scale, y: &Scale) -> Html {
+        let [left, right, top, bottom] = FRAME;
+        let place = |p: &[f64; 2]| [x.at(p[0]), y.at(p[1])];
+        let level = self.passive[1].map(|v| ("passive", vec![[left, y.at(v)], [right, y.at(v)]]));
+        let named = self.strokes.iter().filter(|s| !s.label.is_empty());
+        let named: Vec<(&str, Vec<[f64; 2]>)> =
+            level.into_iter().chain(named.map(|s| (s.label, s.points.iter().map(place).collect()))).collect();
+        let mut busy: Vec<[f64; 2]> = self.dots.iter().map(|d| [x.at(d.x), y.at(d.y)]).collect();
+        for s in &self.strokes {
+            busy.extend(trail(&s.points.iter().map(place).collect::<Vec<_>>()));
+        }
+        named.iter().filter(|n| n.1.len() == 2 && n.0 == "passive").for_each(|n| busy.extend(trail(&n.1)));
+        let upright = self.passive[0].map(|v| trail(&[[x.at(v), top], [x.at(v), bottom]]));
+        busy.extend(upright.unwrap_or_default());
+        let mut all = Html::default();
+        for (word, points) in &named {
+            let half = 0.5 * LETTER * word.chars().count() as f64;
+            let spots = trail(points).into_iter().flat_map(|[x, y]| ASIDE.map(|d| ([x, y + d], d)));
+            let inside = spots.filter(|(s, _)| {
+                s[0] - half > left && s[0] + half < right && s[1] - 6.0 > top && s[1] + 6.0 < bottom
+            });
+            let crowd = |s: &[f64; 2]| {
+                let near = |b: &&[f64; 2]| (b[0] - s[0]).abs() < half + 4.0 && (b[1] - s[1]).abs() < 6.5;
+                busy.iter().filter(near).count()
+            };
+            // of equally free ones the nearest to the line, and of these the one at the right
+            let best = inside.min_by_key(|(s, d)| (crowd(s), d.abs() as i64, (right - s[0]) as i64));
+            let Some((spot, _)) = best else { continue };
+            all.push(text(spot[0], spot[1], "word", word));
+            let taken = [-half, 0.0, half].map(|d| [spot[0] + d, spot[1]]);
+            busy.extend(taken);
+        }
+        all
+    }
+}
+
+/// How far a name may be from its line.
+const ASIDE: [f64; 4] = [-8.0, 9.0, -15.0, 17.0];
+/// Width of a letter of a name.
+const LETTER: f64 = 6.0;
+
+/// Places along a line, near enough that no word fits between two.
+fn trail(points: &[[f64; 2]]) -> Vec<[f64; 2]> {
+    const STEP: f64 = 4.0;
+    let part = |w: &[[f64; 2]]| {
+        let ([a, b], n) =
+            ([w[0], w[1]], ((w[1][0] - w[0][0]).hypot(w[1][1] - w[0][1]) / STEP).ceil().max(1.0));
+        let at = move |k: usize| [0, 1].map(|c| a[c] + (b[c] - a[c]) * k as f64 / n);
+        (0..=n as usize).map(at).collect::<Vec<_>>()
+    };
+    points.windows(2).flat_map(part).collect()
 }
 
 #[cfg(test)]
@@ -194,6 +249,34 @@ mod tests {
         let one = Scale::new([3.0].into_iter(), 0.0, 1.0).unwrap();
         assert!((one.at(3.0) - 0.5).abs() < 1e-12);
         assert!(Scale::new([f64::NAN].into_iter(), 0.0, 1.0).is_none());
+    }
+
+    #[test]
+    fn a_word_stands_where_no_line_is() {
+        // a stroke climbs over the right end of the passive line: its name goes to the left
+        let stroke = |label, points: &[[f64; 2]]| Stroke {
+            class: "row",
+            label,
+            colour: String::new(),
+            points: points.to_vec(),
+        };
+        let dots = [0.0, 1.0].map(|v| Dot { index: 0, x: v, y: 2.0 * v, front: true, title: String::new() });
+        let chart = Chart {
+            dots: dots.to_vec(),
+            strokes: vec![stroke("", &[[0.6, 0.9], [1.0, 1.1]]), stroke("", &[[0.6, 1.1], [1.0, 0.9]])],
+            passive: [None, Some(1.0)],
+            ..Chart::default()
+        };
+        let drawn = chart.draw().unwrap();
+        let (_, rest) = drawn
+            .as_str()
+            .split_once("passive</text>")
+            .map_or(("", ""), |(a, _)| a.rsplit_once("<text x=\"").unwrap());
+        let at: f64 = rest.split_once('"').unwrap().0.parse().unwrap();
+        let begin = Scale::new([0.0, 1.0].into_iter(), FRAME[0], FRAME[1]).unwrap().at(0.6);
+        assert!(at + 0.5 * LETTER * 7.0 < begin, "{at} {begin}");
+        // after the lines that it is beside
+        assert!(drawn.as_str().rfind("<polyline") < drawn.as_str().rfind("passive</text>"));
     }
 
     #[test]

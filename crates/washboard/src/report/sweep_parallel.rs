@@ -5,6 +5,7 @@ use super::numbers::plain;
 use super::scene::coordinate;
 use super::sweep::value_text;
 use super::sweep_chart::{Scale, joined, line, text};
+use super::sweep_keys::key_label;
 use crate::study::{SweepOutcome, SweepPoint};
 use serde_json::Value;
 
@@ -105,13 +106,7 @@ fn halves(words: &str) -> [String; 2] {
 
 /// Numbers by size, anything else by its place in the list.
 fn grid_axis(o: &SweepOutcome, key: &str, values: &[Value]) -> Option<Coordinate> {
-    let last = key.rsplit('.').next().unwrap_or(key).replace('_', " ");
-    // a goal's key ends in the output that it is of, which has an axis of its own
-    let head = match key.split('.').collect::<Vec<_>>()[..] {
-        ["goal", list, _] if list.starts_with("minimize") => ["weight of".to_owned(), last],
-        ["goal", list, _] if list.starts_with("bound") => ["bound on".to_owned(), last],
-        _ => halves(&last),
-    };
+    let head = halves(&key_label(key));
     if values.iter().all(Value::is_number) {
         let own = o.points.iter().map(|p| p.at.get(key).and_then(Value::as_f64)).collect();
         return coordinate_of(head, own, None, None);

@@ -117,6 +117,15 @@ pub struct DemoBound {
 }
 
 impl DemoMethod {
+    /// All that is to be known before the controller of the identified car is built: what the true car makes of its bounds
+    /// (`beyond-bound`), and the design's own warnings.
+    #[must_use]
+    pub fn warnings(&self, passive: &DemoRide) -> Vec<Flag> {
+        let beyond = |text: String| Flag { name: "beyond-bound".to_owned(), text: text + "." };
+        let of_bounds = self.beyond_bounds(passive).into_iter().map(beyond);
+        of_bounds.chain(self.on_identified.warnings.iter().cloned()).collect()
+    }
+
     /// Why the true car exceeds a bound of the design on the identified one: a sentence a bound that it exceeds.
     #[must_use]
     pub fn beyond_bounds(&self, passive: &DemoRide) -> Vec<String> {

@@ -176,7 +176,8 @@ pub use modes::{ModesOutcome, VehicleMode, VehicleModeKind, modes};
 pub use named::Named;
 pub use reproduce::{
     Check, Counts, Curve, Erratum, Evidence, Figure, Listed, Relation, ReproduceError, ReproduceOutcome,
-    ReproduceSpec, Titled, all_errata, errata_markdown, lmi_cars, reproduce, reproducible, reproducible_list,
+    ReproduceSpec, Titled, all_errata, chapter_of, errata_markdown, lmi_cars, number_text, reproduce,
+    reproducible, reproducible_list,
 };
 pub use respond::{BumpOutcome, Direction, GainsOutcome, RespondOutcome, respond};
 pub use ride::{Infinite, RideOutcome, RideSpectra, Rms, ride};

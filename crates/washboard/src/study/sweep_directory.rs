@@ -232,14 +232,19 @@ impl SweepDirectory {
         let present = self.present();
         let missing = (0..self.total()).filter(|k| !present.contains(k)).collect();
         let (mut rows, mut details) = (Vec::new(), Vec::new());
+        let mut goals: Vec<&'static str> = Vec::new();
         for index in present {
             let point = self.read(index)?.outcome;
             rows.push(SweepPoint::new(&point, &point_name(index)));
             if let PointDesign::Outcome(o) = &point.result {
                 details.extend(SweepDetail::new(index, o));
+                goals.push(o.goal_words());
             }
         }
-        Ok((SweepOutcome::new(&self.file.sweep.grid, self.file.sweep.warm_start, missing, rows), details))
+        goals.dedup();
+        let goal = <[&str; 1]>::try_from(goals).ok().map(|[words]| words.to_owned());
+        let sweep = &self.file.sweep;
+        Ok((SweepOutcome::new(&sweep.grid, sweep.warm_start, goal, missing, rows), details))
     }
 
     /// The envelope of a result.

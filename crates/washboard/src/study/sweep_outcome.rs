@@ -12,6 +12,9 @@ pub struct SweepOutcome {
     pub grid: Vec<SweepAxis>,
     /// Whether fixed-order designs began from their neighbours too.
     pub warm_start: bool,
+    /// What the goal is, in words, where it is the same at all points.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub goal: Option<String>,
     /// How many points ended how.
     pub counts: Named<usize>,
     /// Numbers of points that are not there yet; a whole sweep has none.
@@ -92,6 +95,9 @@ pub struct SweepPoint {
     pub order: Option<usize>,
     /// The goal's value: `passive`, `verified`, `limit`.
     pub objective: Named<f64>,
+    /// What no controller of any order goes below, of the goal (`fixed-order`).
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub lower_bound: Option<f64>,
     /// rms of the loop by output …
     pub rms: Named<Rms>,
     /// … and as a multiple of the passive one.
@@ -211,6 +217,7 @@ impl SweepPoint {
             why: None,
             order: None,
             objective: Named::default(),
+            lower_bound: None,
             rms: Named::default(),
             rms_relative: Named::default(),
             h2: Named::default(),
@@ -230,6 +237,7 @@ impl SweepPoint {
         };
         (row.status, row.why, row.order) = (o.status.into(), o.why.clone(), o.order);
         row.objective = o.objective.clone();
+        row.lower_bound = o.fixed_order.as_ref().and_then(|f| f.lower_bound);
         row.warnings = o.warnings.iter().map(|w| w.name.clone()).collect();
         if let Some(m) = &o.metrics {
             // what has not settled, or is infinite, in the loop is nothing: never the passive vehicle's
@@ -271,6 +279,7 @@ impl SweepOutcome {
     pub(super) fn new(
         grid: &[SweepAxis],
         warm_start: bool,
+        goal: Option<String>,
         missing: Vec<usize>,
         points: Vec<SweepPoint>,
     ) -> Self {
@@ -279,7 +288,7 @@ impl SweepOutcome {
             let before: usize = counts.get(p.status.name()).copied().unwrap_or(0);
             counts.insert(p.status.name(), before + 1);
         }
-        SweepOutcome { grid: grid.to_vec(), warm_start, counts, missing, points }
+        SweepOutcome { grid: grid.to_vec(), warm_start, goal, counts, missing, points }
     }
 
     /// Whether any point has what was asked.

@@ -20,7 +20,7 @@ type Take<'a> = Box<dyn Fn(&SweepPoint) -> Cell + 'a>;
 /// Names of columns, and rows.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SweepTable {
-    /// `index`, keys of the grid, `status`, `why`, `order`, `objective_…`, numbers of each output, `warnings`, `controller`.
+    /// `index`, keys of the grid, `status`, `why`, `order`, `objective_…`, `lower_bound`, numbers of each output, `warnings`, `controller`.
     pub columns: Vec<String>,
     /// A cell a column.
     pub rows: Vec<Vec<Cell>>,
@@ -43,6 +43,9 @@ impl SweepOutcome {
                 format!("objective_{name}"),
                 Box::new(move |p| number(p.objective.get(name).copied())),
             ));
+        }
+        if self.points.iter().any(|p| p.lower_bound.is_some()) {
+            columns.push(("lower_bound".into(), Box::new(|p| number(p.lower_bound))));
         }
         for name in self.outputs() {
             let shown = |r: Option<&Rms>| match r {

@@ -87,8 +87,10 @@ fn figure(context: &Context, sheet: &mut Sheet, k: usize, name: &str) -> Result<
         Ok(Curve { label: label.to_owned(), y: x.iter().map(at).collect::<Result<_, ReproduceError>>()? })
     };
     let curves = vec![curve("passive", &passive)?, curve("active", &active)?];
+    // over the largest road velocity μ√v|ν|
+    let up = if k == 0 { "magnitude, (m/s²)/(m/s)" } else { "magnitude, (rad/s²)/(m/s)" };
     let title = format!("{name} acceleration of the cabin for ν = [1 0 0 −1]ᵀ");
-    sheet.figure("", &title, Axis::log("frequency, Hz").at(&x), Axis::log("magnitude"), curves);
+    sheet.figure("", &title, Axis::log("frequency, Hz").at(&x), Axis::log(up), curves);
     let ratio = |f: f64| -> Result<f64, ReproduceError> {
         Ok(answers(context, &active, PATTERN, f)?[k] / answers(context, &passive, PATTERN, f)?[k])
     };

@@ -72,11 +72,56 @@ impl Check {
         self.reference_note.as_deref().is_some_and(|n| n.split("; ").any(|part| part == INPUT))
     }
 
+    /// Published, computed and tolerance as people read them, in one way of writing; `printed` has what the source has.
+    #[must_use]
+    pub fn texts(&self) -> [String; 3] {
+        let sign = match self.relation {
+            Relation::Equal => "",
+            Relation::AtMost => "≤ ",
+            Relation::AtLeast => "≥ ",
+        };
+        [format!("{sign}{}", alike(&self.printed)), number_text(self.computed), number_text(self.tolerance)]
+    }
+
     /// Whether it agrees or the sources are at fault.
     #[must_use]
     pub fn is_settled(&self) -> bool {
         self.agrees || self.erratum.is_some()
     }
+}
+
+/// Digits of a computed number: more than any source prints.
+const DIGITS: usize = 7;
+
+fn written_plainly(x: f64) -> bool {
+    x == 0.0 || (1e-4..1e7).contains(&x.abs())
+}
+
+/// A number in seven digits, with an exponent where it is small or large.
+#[must_use]
+pub fn number_text(x: f64) -> String {
+    let kept: f64 = format!("{x:.*e}", DIGITS - 1).parse().unwrap_or(x);
+    let text = if written_plainly(kept) { (kept + 0.0).to_string() } else { format!("{kept:e}") };
+    text.replace('-', "−")
+}
+
+/// A printed decimal with its digits, and an exponent where [`number_text`] has one: `0.76e-5` is `7.6e−6`.
+fn alike(printed: &str) -> String {
+    let (mantissa, exponent) = printed.split_once('e').unwrap_or((printed, "0"));
+    let (Ok(value), Ok(exponent)) = (printed.parse::<f64>(), exponent.parse::<i32>()) else {
+        return printed.replace('-', "−");
+    };
+    let text = if written_plainly(value) {
+        let places = mantissa.split_once('.').map_or(0, |(_, d)| d.len() as i32);
+        format!("{value:.*}", usize::try_from(places - exponent).unwrap_or(0))
+    } else {
+        let digits: String = mantissa.chars().filter(char::is_ascii_digit).collect();
+        let digits = digits.trim_start_matches('0');
+        // zeros at the end of a whole number only give its size
+        let digits = if mantissa.contains('.') { digits } else { digits.trim_end_matches('0') };
+        format!("{value:.*e}", digits.len().saturating_sub(1))
+    };
+    text.replace('-', "−")
 }
 
 /// A curve of a figure.
@@ -288,6 +333,23 @@ mod tests {
         assert!(!sheet.printed("no number", "44.57", f64::NAN).agrees);
         assert!(sheet.bound("less", Relation::AtMost, "30", 29.9).agrees);
         assert!(!sheet.bound("less", Relation::AtMost, "30", f64::NAN).agrees);
+    }
+
+    #[test]
+    fn printed_and_computed_numbers_are_written_alike() {
+        for (printed, written) in [
+            ("2560000000", "2.56e9"),
+            ("0.76e-5", "7.6e−6"),
+            ("-0.5", "−0.5"),
+            ("44.570", "44.570"),
+            ("1.0e3", "1000"),
+            ("2.50e-2", "0.0250"),
+            ("0", "0"),
+            ("1/3", "1/3"),
+        ] {
+            assert_eq!(alike(printed), written);
+        }
+        assert_eq!([number_text(2.56e9), number_text(7.6e-6), number_text(-0.0)], ["2.56e9", "7.6e−6", "0"]);
     }
 
     #[test]

@@ -47,7 +47,7 @@ mod registry;
 mod shared;
 
 pub use error::ReproduceError;
-pub use item::{Check, Curve, Erratum, Evidence, Figure, Relation};
+pub use item::{Check, Curve, Erratum, Evidence, Figure, Relation, number_text};
 pub use markdown::errata_markdown;
 
 use self::context::Context;
@@ -103,9 +103,9 @@ pub struct Titled {
 /// How many numbers.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Counts {
-    /// In all.
+    /// In all, inputs among them.
     pub checks: usize,
-    /// That agree.
+    /// That agree, inputs among them.
     pub agree: usize,
     /// That do not, because of an error of the source that is shown.
     pub excused: usize,
@@ -114,19 +114,36 @@ pub struct Counts {
     /// Of those that agree, inputs of the computation, as printed: parameters that a source states.
     #[serde(default)]
     pub inputs: usize,
+    /// Numbers that are computed: all but these inputs, which are no result of a computation.
+    #[serde(default)]
+    pub computed: usize,
+    /// Those of them that agree.
+    #[serde(default)]
+    pub computed_agree: usize,
 }
 
 impl Counts {
-    /// Computed numbers that agree, of how many: inputs of the computation are no result of it.
-    #[must_use]
-    pub fn computed(&self) -> [usize; 2] {
-        [self.agree - self.inputs, self.checks - self.inputs]
+    /// Of checks.
+    fn of(items: &[Check]) -> Self {
+        let count = |which: fn(&Check) -> bool| items.iter().filter(|c| which(c)).count();
+        let inputs = count(|c| c.agrees && c.is_input());
+        let agree = count(|c| c.agrees);
+        Counts {
+            checks: items.len(),
+            agree,
+            excused: count(|c| !c.agrees && c.erratum.is_some()),
+            open: count(|c| !c.is_settled()),
+            inputs,
+            computed: items.len() - inputs,
+            computed_agree: agree - inputs,
+        }
     }
 
     /// `4 of 6 computed numbers agree, 3 inputs as printed`.
     #[must_use]
     pub fn words(&self) -> String {
-        let [agree, of] = self.computed();
+        // of results that were written before these two were counted, too
+        let (agree, of) = (self.agree.saturating_sub(self.inputs), self.checks.saturating_sub(self.inputs));
         let inputs = match self.inputs {
             0 => String::new(),
             1 => ", 1 input as printed".to_owned(),
@@ -178,13 +195,7 @@ pub fn reproduce(spec: &ReproduceSpec) -> Result<(ReproduceOutcome, Vec<Input>),
         .into_par_iter()
         .map(|e| e.computed(&context).map_err(failed(e.id)))
         .collect::<Result<Vec<_>, _>>()?;
-    let counts = Counts {
-        checks: items.len(),
-        agree: items.iter().filter(|c| c.agrees).count(),
-        excused: items.iter().filter(|c| !c.agrees && c.erratum.is_some()).count(),
-        open: items.iter().filter(|c| !c.is_settled()).count(),
-        inputs: items.iter().filter(|c| c.agrees && c.is_input()).count(),
-    };
+    let counts = Counts::of(&items);
     let skipped = skipped.iter().map(|i| i.name.to_owned()).collect();
     let outcome = ReproduceOutcome { items, titles, counts, figures, errata, skipped, skipped_errata };
     Ok((outcome, inputs(&run)?))
@@ -223,6 +234,12 @@ fn groups(name: &str) -> Vec<String> {
     let number = place.split_once('-').map_or("", |(_, n)| n);
     let chapter = number.split_once('.').map(|(chapter, _)| format!("{source}.ch-{chapter}"));
     std::iter::once(source.to_owned()).chain(chapter.filter(|_| source == "thesis")).collect()
+}
+
+/// The part of a source that an item or figure is of: `thesis.ch-4`, `paper`.
+#[must_use]
+pub fn chapter_of(item: &str) -> String {
+    groups(item).pop().unwrap_or_default()
 }
 
 /// An item, chapter or source that can be asked for.
@@ -353,6 +370,19 @@ mod tests {
         assert_eq!([of("thesis.fig-5.5-a"), of("fig-5.5-b")], ["thesis.fig-5.5"; 2]);
         assert_eq!([of("paper.fig-3"), of("paper")], ["paper.fig-3", "paper"]);
         assert!(resolved("thesis.fig-99.1-a").is_err());
+    }
+
+    #[test]
+    fn counts_say_what_the_headline_says() {
+        let mut sheet = Sheet::new("thesis.sec-0.0");
+        sheet.printed("mass", "1.0", 1.0).noted(item::INPUT);
+        sheet.printed("right", "1.0", 1.0);
+        sheet.printed("wrong", "1.0", 2.0);
+        let counts = Counts::of(&sheet.checks);
+        assert_eq!((counts.checks, counts.agree, counts.inputs), (3, 2, 1));
+        assert_eq!((counts.computed_agree, counts.computed), (1, 2));
+        assert_eq!(counts.words(), "1 of 2 computed numbers agree, 1 input as printed");
+        assert_eq!([chapter_of("thesis.fig-5.5-a"), chapter_of("paper.fig-7-d")], ["thesis.ch-5", "paper"]);
     }
 
     #[test]
