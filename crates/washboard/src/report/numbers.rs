@@ -88,7 +88,8 @@ pub(super) fn fixed(value: f64, decimals: i32) -> String {
 /// The same with its sign always.
 pub(super) fn signed(value: f64, decimals: i32) -> String {
     let text = fixed(value, decimals);
-    if value > 0.0 { format!("+{text}") } else { text }
+    let is_zero = text.chars().all(|c| matches!(c, '0' | '.'));
+    if value > 0.0 && !is_zero { format!("+{text}") } else { text }
 }
 
 /// 10⁻⁶ …
