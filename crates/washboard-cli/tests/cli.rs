@@ -223,7 +223,11 @@ fn report_writes_the_page_again_from_the_result() {
     fs::copy(folder.0.join("RUN.truth.json"), folder.0.join("found/result.json")).unwrap();
     folder.wrong(
         "report found",
-        &["found/result.json:", "command: expected `identify` or `demo`, found `simulate`"],
+        &[
+            "found/result.json:",
+            "command: expected one of `identify`, `demo`, `compare`, `design`,",
+            "found `simulate`",
+        ],
     );
 }
 

@@ -170,6 +170,7 @@ fn in_words(message: &str) -> String {
     let dotted = message.contains("invalid type: map, expected f64");
     let said = message.replace("expected f64", "expected a number");
     let said = said.replace("expected usize", "expected a whole number, not negative");
+    let said = said.replace("expected u32", "expected a whole number, not negative");
     let said = said.replace("expected u64", "expected a whole number, not negative");
     if dotted { said.replace("map", "table") + " (a name with a dot stands in quotes)" } else { said }
 }

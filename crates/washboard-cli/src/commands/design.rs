@@ -211,6 +211,9 @@ fn claims(o: &DesignOutcome) -> String {
             r.unit.clone(),
         ]);
     }
+    if let Some(gain) = o.endless_gain() {
+        rows.row(["the controller's largest gain".to_owned(), gain.to_owned()]);
+    }
     if rows.is_empty() { String::new() } else { rows.text() }
 }
 
@@ -221,8 +224,11 @@ const MOST_TARGETS: usize = 24;
 fn targets(o: &DesignOutcome) -> String {
     let all = o.target_rows();
     let many = all.iter().any(|r| !r.vehicle.is_empty());
-    let mut head =
-        vec!["<goals and bounds, of norms over what is allowed", "<", "value", "multiplier", "<peaks, Hz"];
+    let kept = o.controller.is_some();
+    let value = if kept { "value" } else { "least violation" };
+    let mut head = vec!["<goals and bounds, of norms over what is allowed", "<", value];
+    head.extend(kept.then_some("multiplier"));
+    head.push("<peaks, Hz");
     if many {
         head.insert(1, "vehicle");
     }
@@ -230,8 +236,9 @@ fn targets(o: &DesignOutcome) -> String {
     let left = all.len().saturating_sub(MOST_TARGETS);
     for r in all.into_iter().take(MOST_TARGETS) {
         let vehicle = many.then_some(r.vehicle);
-        let cells = [r.aim.to_owned(), number(r.relative), number(r.multiplier), r.peaks];
-        rows.row(std::iter::once(r.name).chain(vehicle).chain(cells));
+        let multiplier = kept.then(|| number(r.multiplier));
+        let cells = [r.aim.to_owned(), number(r.relative)];
+        rows.row(std::iter::once(r.name).chain(vehicle).chain(cells).chain(multiplier).chain([r.peaks]));
     }
     let more = if left > 0 { format!("  and {left} more (-o has them)\n") } else { String::new() };
     if rows.is_empty() { String::new() } else { rows.text() + &more }

@@ -6,11 +6,11 @@ use clap::Args;
 use serde::Serialize;
 use std::path::PathBuf;
 use std::process::ExitCode;
-use washboard::files::write_whole;
+use washboard::files::{FileError, write_whole};
 use washboard::report::{compare_page, demo_page, design_page, identify_page, reproduce_page, sweep_page};
 use washboard::study::{
-    CompareOutcome, DemoOutcome, Envelope, ReproduceOutcome, SweepDirectory, is_result_of, read_design,
-    read_identification, read_result,
+    CompareOutcome, DemoOutcome, Envelope, ReproduceOutcome, StudyError, SweepDirectory, is_result_of,
+    read_design, read_identification, read_result,
 };
 
 /// Write report.html again from result.json.
@@ -20,6 +20,9 @@ pub struct Arguments {
     #[arg(value_name = "DIR")]
     directory: PathBuf,
 }
+
+/// Commands whose results have a page.
+const TAKEN: [&str; 6] = ["identify", "demo", "compare", "design", "sweep", "reproduce"];
 
 #[derive(Serialize)]
 struct Written {
@@ -52,6 +55,12 @@ pub fn run(arguments: Arguments, output: Output) -> Result<ExitCode, Failure> {
         let result = read_result::<ReproduceOutcome>(&file)?;
         (result.inputs, reproduce_page(&result.outcome))
     } else {
+        let read = read_result::<serde_json::Value>(&file)?;
+        if !TAKEN.contains(&read.command.as_str()) {
+            let taken = TAKEN.map(|c| format!("`{c}`")).join(", ");
+            let message = format!("command: expected one of {taken}, found `{}`", read.command);
+            return Err(StudyError::from(FileError::content(&file, None, message)).into());
+        }
         let (_, result) = read_identification(&file)?;
         let text = identify_page(&result.outcome, &result.outcome.recording.name);
         (result.inputs, text)

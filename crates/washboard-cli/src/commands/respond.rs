@@ -1,7 +1,7 @@
 //! `washboard respond`: a vehicle over a bump, or its gains for a pattern of the road.
 
 use crate::output::{Failure, Output};
-use crate::table::{Table, number};
+use crate::table::{Table, number, wrapped};
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -63,6 +63,10 @@ pub fn run(a: Arguments, output: Output) -> Result<ExitCode, Failure> {
 }
 
 fn table(o: &RespondOutcome) -> String {
+    o.notes.iter().fold(responses(o), |text, n| text + &wrapped(&format!("note: {}", n.text)))
+}
+
+fn responses(o: &RespondOutcome) -> String {
     let unit = |name: &str| o.units.get(name).cloned().unwrap_or_default();
     if let Some(b) = &o.bump {
         let title = format!("<bump of {} m over {} m at {} m/s", b.height_m, b.length_m, o.speed_m_s);

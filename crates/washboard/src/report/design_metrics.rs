@@ -21,7 +21,12 @@ pub(super) fn metrics(o: &DesignOutcome) -> Option<Html> {
 }
 
 fn rows(o: &DesignOutcome, all: &[MetricRow]) -> Html {
-    let head = ["metric", "unit", "#passive", "#closed", "#change", "reaction"];
+    let reaction = if o.metrics.as_ref().is_some_and(|m| m.closed.is_some()) {
+        "reaction: passive → closed"
+    } else {
+        "reaction"
+    };
+    let head = ["metric", "unit", "#passive", "#closed", "#change", reaction];
     let closed = o.metrics.as_ref().is_some_and(|m| m.closed.is_some());
     let mut body: Vec<Vec<Html>> = Vec::new();
     for group in MetricGroup::ALL {
@@ -50,6 +55,7 @@ fn cells(r: &MetricRow, closed: bool) -> Vec<Html> {
     }
     let [before, after] = &r.words;
     let words = match (before.is_empty(), after.is_empty()) {
+        _ if before == after && !before.is_empty() && closed => format!("{before} (both)"),
         _ if before == after => before.clone(),
         (false, false) => format!("{before} → {after}"),
         (true, _) => after.clone(),

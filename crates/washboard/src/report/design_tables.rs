@@ -138,7 +138,12 @@ pub(super) fn certificate(o: &DesignOutcome) -> Option<Html> {
         cells
     };
     let head = ["number", "unit", "#claimed", "#from vehicle and controller alone"];
-    let body = rows.iter().map(row).collect();
+    let mut body: Vec<Vec<Html>> = rows.iter().map(row).collect();
+    if let Some(gain) = o.endless_gain() {
+        let mut cells = vec![Html::from("The controller's largest gain"), "N per unit".into(), gain.into()];
+        cells.extend(both.then(Html::default));
+        body.push(cells);
+    }
     let caption = if o.vertices.is_empty() {
         "what is claimed, and what the loop itself shows"
     } else if o.design.method == DesignMethod::FixedOrder {

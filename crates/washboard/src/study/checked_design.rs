@@ -27,12 +27,22 @@ pub fn read_design(path: &Path) -> Result<(PathBuf, Envelope<DesignOutcome>), St
 pub(super) fn check(o: &DesignOutcome) -> Result<(), String> {
     let designed = o.status == DesignStatus::Designed;
     if designed != (o.controller.is_some() && o.verified.is_some()) {
-        return Err(format!("status: {:?} contradicts what stands beside it", o.status));
+        return Err(format!(
+            "status: expected one that fits the controller {}, found `{}`",
+            if o.controller.is_some() { "beside it" } else { "that is missing" },
+            serde_json::to_value(o.status)
+                .ok()
+                .and_then(|v| v.as_str().map(str::to_owned))
+                .unwrap_or_default()
+        ));
     }
     if let Some(file) = &o.controller {
         let order = file.state_space().map_err(|e| e.to_string())?.order();
         if o.order != Some(order) {
-            return Err(format!("order: expected {order}, found {:?}", o.order));
+            return Err(format!(
+                "order: expected {order}, found {}",
+                o.order.map_or_else(|| "none".to_owned(), |n| n.to_string())
+            ));
         }
     }
     for (field, measured) in [("passive", Some(&o.passive)), ("verified", o.verified.as_ref())] {

@@ -2,7 +2,7 @@
 
 use super::identify_outcome::IdentifyOutcome;
 use super::{Envelope, StudyError, read_result};
-use crate::files::FileError;
+use crate::files::{FileError, said};
 use crate::road::IsoClass;
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
@@ -29,7 +29,7 @@ pub fn read_identification(path: &Path) -> Result<(PathBuf, Envelope<IdentifyOut
     }
     let outcome: IdentifyOutcome = serde_json::from_value(raw.outcome.clone()).map_err(|e| {
         let field = culprit(&raw.outcome).map_or_else(String::new, |f| format!("{f}: "));
-        wrong(format!("{field}{e}"))
+        wrong(format!("{field}{}", said(&e.to_string())))
     })?;
     if let Err(Fault(field, expected, found)) = check(&outcome) {
         return Err(wrong(format!("{field}: expected {expected}, found {found}")));

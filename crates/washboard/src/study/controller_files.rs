@@ -1,11 +1,12 @@
 //! A controller from a file, and as the files that other programs and control units read.
 
 use super::design_outcome::{ControllerFile, DesignOutcome};
-use super::{Discretize, DiscretizeRule, Input, StudyError};
+use super::design_words::short;
+use super::{Discretize, DiscretizeRule, Flag, Input, StudyError};
 use crate::files::{FileError, read_text};
 use crate::linalg::Mat;
 use crate::lti::{Discrete, LtiError, StateSpace};
-use crate::vehicle::{Control, Vehicle};
+use crate::vehicle::{Control, Vehicle, VehicleSpec};
 use serde_json::Value;
 use std::fmt::Write;
 use std::path::Path;
@@ -70,6 +71,25 @@ pub(super) fn control(vehicle: &Vehicle, path: &Path) -> Result<(Control, Input)
     let k = file.state_space().map_err(|e| fail(e.into()))?;
     let control = Control::new(vehicle, k, &file.inputs, &file.outputs).map_err(fail)?;
     Ok((control, input))
+}
+
+/// A note where a design's `[override]` is not what the vehicle has that its controller is put on.
+pub(super) fn other_vehicle(path: &Path, vehicle: &VehicleSpec) -> Option<Flag> {
+    let file = if path.is_dir() { path.join("result.json") } else { path.to_owned() };
+    let result: Value = serde_json::from_str(&read_text(&file).ok()?).ok()?;
+    let fields = result.get("design")?.get("override")?.as_object()?;
+    let differ = fields.iter().filter_map(|(name, value)| {
+        let value = value.as_f64()?;
+        let changed = vehicle.with_overrides(&[(name.clone(), value)]).ok();
+        (changed.as_ref() != Some(vehicle)).then(|| format!("{name} = {}", short(value)))
+    });
+    let differ: Vec<String> = differ.collect();
+    let text = format!(
+        "the controller was designed with [override] {}, which this vehicle has not: write that into a vehicle file to see the loop that was \
+         designed",
+        differ.join(", ")
+    );
+    (!differ.is_empty()).then(|| Flag { name: "other-vehicle".into(), text })
 }
 
 /// The files of a design beside its `result.json`: controller.json, controller.mat, those of the nominal and of the truncated

@@ -1,5 +1,6 @@
 //! A fixed-order search as rows: goals and bounds with what holds the optimum, and what was done.
 
+use super::DesignMethod;
 use super::design_fixed_outcome::{FixedOrderTarget, Stationarity, TargetAim, TargetNorm};
 use super::design_fixed_spec::StructureKind;
 use super::design_outcome::DesignOutcome;
@@ -44,6 +45,16 @@ fn peaks(active_hz: &[f64]) -> String {
     all.join(", ") + &more
 }
 
+/// A share in percent with its sign: three digits, and never −0.
+fn percent(share: f64) -> String {
+    let size = short((100.0 * share).abs());
+    if 100.0 * share.abs() < 5e-4 {
+        "0".to_owned()
+    } else {
+        format!("{}{size}", if share < 0.0 { "−" } else { "+" })
+    }
+}
+
 /// Below this the descent that is left is that of a local optimum and its rounding.
 const AT_OPTIMUM: f64 = 1e-2;
 /// Above this it is not next to one.
@@ -65,9 +76,10 @@ impl Stationarity {
 
 impl DesignOutcome {
     /// What is said of a controller whose gain has no bound.
-    fn endless_gain(&self) -> Option<&'static str> {
+    #[must_use]
+    pub fn endless_gain(&self) -> Option<&'static str> {
         let bounded = self.claimed.get("controller_gain").is_some();
-        self.controller.as_ref().filter(|_| !bounded)?;
+        self.controller.as_ref().filter(|_| !bounded && self.design.method == DesignMethod::FixedOrder)?;
         let integrates = self.design.structure_kind() == Some(StructureKind::Pid);
         Some(if integrates { "infinite at 0 Hz (integrator)" } else { "infinite (a pole on the axis)" })
     }
@@ -97,7 +109,6 @@ impl DesignOutcome {
     #[must_use]
     pub fn search_rows(&self) -> Vec<SearchRow> {
         let Some(f) = &self.fixed_order else { return Vec::new() };
-        let yes = |b: bool| if b { "yes" } else { "no" }.to_owned();
         let mut rows = vec![
             SearchRow { words: "starts, of all orders designed", value: f.starts.to_string() },
             SearchRow { words: "of them led to a stable loop", value: f.stabilised.to_string() },
@@ -108,15 +119,15 @@ impl DesignOutcome {
         let count = |name: &str| f.work.get(name).map(usize::to_string);
         let at = f.lower_bound_hz.map_or_else(String::new, |w| format!(" (at {} Hz)", short(w)));
         more("no controller of any order has a goal below", f.lower_bound.map(|b| format!("{b:.5}{at}")));
-        more("the goal is above that by", f.gap.map(|g| format!("{:+.4} %", 100.0 * g)));
+        more("the goal is above that by", f.gap.map(|g| format!("{} %", percent(g))));
         more(
             "no controller at all is below, as a share of its bounds",
             f.impossible.map(|b| format!("{b:.5}{at}")),
         );
         more("least largest real part of a pole, rad/s", f.abscissa_rad_s.map(short));
-        more("ended by itself, not by its limit of steps", (!f.targets.is_empty()).then(|| yes(f.converged)));
+        let limited = if f.converged { "no" } else { "yes: more with fixed-order.iterations" };
+        more("stopped at its limit of steps", (!f.targets.is_empty()).then(|| limited.to_owned()));
         more("a local optimum", f.stationarity.filter(|_| self.controller.is_some()).map(|s| s.words()));
-        more("the controller's largest gain", self.endless_gain().map(str::to_owned));
         more("largest excess of a bound, %", f.violation.map(|v| short(100.0 * v)));
         more("loops closed", count("loops"));
         more("factorisations at a frequency", count("factorisations"));

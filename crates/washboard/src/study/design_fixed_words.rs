@@ -122,8 +122,11 @@ fn target(spec: &DesignSpec, t: &FixedOrderTarget, outcome: &DesignOutcome) -> S
         format!(" of vehicle {k} ({fields})")
     });
     let unit = outcome.units.get(&t.name).map_or("", String::as_str);
-    let per =
-        if t.norm == TargetNorm::Hinf { format!("{unit} per {}", outcome.per()) } else { unit.to_owned() };
+    let per = if t.norm == TargetNorm::Hinf {
+        format!("{unit} per {}", outcome.per())
+    } else {
+        format!("{unit} {}", outcome.white())
+    };
     format!(
         "the {norm} of {}{which} is {} {per}{at}, where {}{times}, is allowed",
         t.name,

@@ -99,6 +99,12 @@ impl DesignSpec {
         }
         if self.method == DesignMethod::FixedOrder {
             at_least_zero("goal.minimize_h2", &g.minimize_h2)?;
+            // weights of 0 alone are a slip: bounds alone have no list of weights
+            let all = || g.minimize.iter().chain(g.minimize_h2.iter()).chain(g.minimize_hinf.iter());
+            if all().next().is_some() && all().all(|(_, w)| *w == 0.0) {
+                let expected = "a weight above 0 (or bounds alone, without a list of weights)";
+                return Err(setting("goal.minimize", expected, "zeros".into()));
+            }
             let above_zero = g.minimize_h2.iter().filter(|(_, w)| **w > 0.0);
             return Ok(above_zero.map(|(n, w)| (n.to_owned(), *w)).collect());
         }

@@ -316,7 +316,11 @@ impl super::DesignOutcome {
         );
         let rides: Vec<&RideMetrics> = m.passive.iter().chain(&m.closed).collect();
         let weightless = rides.iter().all(|r| r.tire_load.is_empty());
-        let loads = if weightless {
+        let endless = rides.iter().flat_map(|r| r.infinite.iter());
+        let endless = endless.map(|(name, _)| name).any(|n| ResponseGroup::of(n) == ResponseGroup::TireLoad);
+        let loads = if endless {
+            "A load coefficient is the rms of a tire's dynamic force over its static load: infinite where this road makes the force so"
+        } else if weightless {
             "There is no dynamic load coefficient: no tire forces, or no finite ones, over a known weight"
         } else {
             "A load coefficient is the rms of a tire's dynamic force over its static load"

@@ -3,7 +3,7 @@
 use super::design_problem::Problem;
 use super::design_words::short;
 use super::{DesignDisturbance, DesignMethod, DesignSpec, Flag, StudyError};
-use crate::linalg::{C64, eigen};
+use crate::linalg::{C64, Mat, eigen};
 use crate::lti::{Continuous, GeneralizedPlant, StateSpace};
 use crate::vehicle::{Output, PlantSettings, Vehicle, VehicleSpec};
 use std::fmt;
@@ -40,12 +40,17 @@ pub(super) fn outputs(
             let near = with_all_words(name, known.clone())
                 .or_else(|| crate::files::nearest(name, known))
                 .map_or_else(String::new, |n| format!(" (did you mean `{n}`?)"));
-            let mut bases: Vec<&str> = vehicle.outputs().iter().map(|o| o.base.as_str()).collect();
-            bases.dedup();
+            let seat = if name.starts_with("driver_")
+                && !vehicle.outputs().iter().any(|o| o.base.starts_with("driver_"))
+            {
+                "; a driver's seat needs driver_m in the vehicle's file"
+            } else {
+                ""
+            };
             return Err(StudyError::Setting {
                 field,
                 expected: format!("outputs of the vehicle{near}"),
-                found: format!("`{name}`; it has {}", bases.join(", ")),
+                found: format!("`{name}`; it has {}{seat}", all_names(vehicle)),
             });
         }
         for o in members {
@@ -55,6 +60,24 @@ pub(super) fn outputs(
         }
     }
     Ok(found)
+}
+
+/// Every output once, and the corners that stacked ones are of.
+fn all_names(vehicle: &Vehicle) -> String {
+    let (mut bases, mut corners): (Vec<&str>, Vec<&str>) = (Vec::new(), Vec::new());
+    for o in vehicle.outputs() {
+        let corner = o.name.strip_prefix(o.base.as_str()).and_then(|c| c.strip_prefix('_'));
+        let new = |list: &[&str], name: &str| !list.contains(&name);
+        if new(&bases, &o.base) {
+            bases.push(&o.base);
+        }
+        corners.extend(corner.filter(|c| new(&corners, c)));
+    }
+    let each = match corners.is_empty() {
+        true => String::new(),
+        false => format!(" (what a corner has also with _{} at its end)", corners.join(", _")),
+    };
+    bases.join(", ") + &each
 }
 
 /// The shortest name that has all words of another one: `driver_heave_acceleration` of `driver_acceleration`.
@@ -130,6 +153,9 @@ const UNDAMPED: f64 = 1e-10;
 /// A pole that is a double one but for rounding is spread by this share of the largest.
 const DOUBLE: f64 = 1e-7;
 
+/// A scaled stiffness below this in some direction is none but for rounding: a free motion leaves 1e-16.
+const HELD: f64 = 1e-12;
+
 /// A pole that swings on: on the axis but for rounding, and not at 0.
 pub(super) fn swings(poles: &[C64]) -> Option<C64> {
     let largest = poles.iter().map(|p| p.norm()).fold(0.0, f64::max);
@@ -141,7 +167,36 @@ pub(super) fn swings(poles: &[C64]) -> Option<C64> {
 fn unstable(vehicle: &Vehicle) -> Option<Lasting> {
     let poles =
         vehicle.system().state_matrix().ok().and_then(|a| Some(eigen(&a).ok()?.0)).unwrap_or_default();
-    not_decaying(&poles)
+    let what = not_decaying(&poles)?;
+    let sizes = || poles.iter().map(|p| p.norm());
+    Some(match what {
+        // springs may hold what is slow beside the rest
+        Lasting::Free if holds(vehicle.system().k()) => Lasting::Slow {
+            slowest: sizes().fold(f64::INFINITY, f64::min),
+            fastest: sizes().fold(0.0, f64::max),
+        },
+        other => other,
+    })
+}
+
+/// Whether a stiffness holds all motions: its Cholesky factor, rows scaled to a diagonal of ones, has no entry that is rounding.
+fn holds(k: &Mat) -> bool {
+    let n = k.nrows();
+    if (0..n).any(|i| !(k[(i, i)] > 0.0)) {
+        return false;
+    }
+    let mut l = Mat::from_fn(n, n, |i, j| k[(i, j)] / (k[(i, i)] * k[(j, j)]).sqrt());
+    for j in 0..n {
+        let left = l[(j, j)] - (0..j).map(|m| l[(j, m)].powi(2)).sum::<f64>();
+        if !(left > HELD) {
+            return false;
+        }
+        l[(j, j)] = left.sqrt();
+        for i in j + 1..n {
+            l[(i, j)] = (l[(i, j)] - (0..j).map(|m| l[(i, m)] * l[(j, m)]).sum::<f64>()) / l[(j, j)];
+        }
+    }
+    true
 }
 
 /// A pole that does not decay.
@@ -153,6 +208,13 @@ pub(super) enum Lasting {
     Swings(f64),
     /// At 0.
     Free,
+    /// So slow beside the fastest that doubles do not tell whether it decays, rad/s.
+    Slow {
+        /// Its pole's size.
+        slowest: f64,
+        /// The largest pole's.
+        fastest: f64,
+    },
 }
 
 impl fmt::Display for Lasting {
@@ -163,6 +225,12 @@ impl fmt::Display for Lasting {
                 write!(f, "a pole at {} ± {}i rad/s that grows", short(p.re), short(p.im.abs()))
             }
             Lasting::Swings(omega) => write!(f, "a mode at {} rad/s that does not decay", short(*omega)),
+            Lasting::Slow { slowest, fastest } => write!(
+                f,
+                "a motion at {} rad/s beside one at {}: too far apart for doubles to tell whether it decays",
+                short(*slowest),
+                short(*fastest)
+            ),
             Lasting::Free => write!(f, "a motion that no spring brings back (a pole at 0)"),
         }
     }
@@ -183,7 +251,7 @@ pub(super) fn not_decaying(poles: &[C64]) -> Option<Lasting> {
 pub(super) fn damped(
     vehicle: &Vehicle,
     file: Option<&VehicleSpec>,
-    method: DesignMethod,
+    spec: &DesignSpec,
 ) -> Result<(), StudyError> {
     let Some(what) = unstable(vehicle) else { return Ok(()) };
     // without damping it swings; what grows has other reasons
@@ -194,33 +262,59 @@ pub(super) fn damped(
         .iter()
         .map(|f| format!("{f} = 0, "))
         .collect();
-    let or = match (file, method) {
+    let own = if file.is_some() { overridden(spec) } else { String::new() };
+    let or = match (file, spec.method) {
         (Some(_), DesignMethod::FixedOrder) => "; or [normalize_at], fields with which it is",
         _ => "",
     };
     Err(StudyError::Setting {
         field: if file.is_some() { "vehicle" } else { "normalize_at" },
         expected: format!("a passive vehicle that is damped and stable: goals are over its norms{or}"),
-        found: format!("{}with {what}", zeros.concat()),
+        found: format!("a vehicle with {}{what}{own}", zeros.concat()),
     })
 }
 
 /// Refuses a vehicle whose stiffness holds not all of its motions, where the equations need that.
-pub(super) fn held(vehicle: &Vehicle) -> Result<(), StudyError> {
+pub(super) fn held(vehicle: &Vehicle, spec: &DesignSpec) -> Result<(), StudyError> {
     match unstable(vehicle).filter(|what| *what == Lasting::Free) {
         None => Ok(()),
         Some(what) => Err(StudyError::Setting {
             field: "vehicle",
             expected: "springs that bring back every motion".into(),
-            found: what.to_string(),
+            found: format!("{what}{}", overridden(spec)),
         }),
     }
 }
 
-/// Refuses a goal with outputs that follow a road height without bound.
-pub(super) fn settling(spec: &DesignSpec, wandering: &[&str]) -> Result<(), StudyError> {
-    if wandering.is_empty() {
-        return Ok(());
+/// Why a response does not die away.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Lasts {
+    /// It follows a road height that has no bound.
+    Follows,
+    /// It does not, and its poles are too far apart for doubles to tell.
+    Unresolved,
+}
+
+/// Refuses goals and measurements that follow a road height without bound, all in one message.
+pub(super) fn settling(
+    spec: &DesignSpec,
+    wandering: &[(String, Lasts)],
+    seen: &[(String, Lasts)],
+) -> Result<(), StudyError> {
+    let names = |of: &[(String, Lasts)]| quoted(&of.iter().map(|(n, _)| n.as_str()).collect::<Vec<_>>());
+    let field = match (wandering.first(), seen.first()) {
+        (None, None) => return Ok(()),
+        (_, Some(_)) => "measurements",
+        (Some((name, _)), None) => spec.goal.field_of(name),
+    };
+    let expected = "outputs whose response dies away".to_owned();
+    if wandering.iter().chain(seen).all(|(_, why)| *why == Lasts::Unresolved) {
+        let all = names(if seen.is_empty() { wandering } else { seen });
+        let found = format!(
+            "{all}, of which rounding does not show it: the vehicle's numbers are further apart than doubles resolve{}",
+            overridden(spec)
+        );
+        return Err(StudyError::Setting { field, expected, found });
     }
     let why = match spec.disturbance {
         DesignDisturbance::RoadVelocity | DesignDisturbance::RoadNoise => {
@@ -231,9 +325,19 @@ pub(super) fn settling(spec: &DesignSpec, wandering: &[&str]) -> Result<(), Stud
             "in which a mode shows that has no damping, or nothing that brings it back: damp it, or leave them out"
         }
     };
-    let expected = "outputs whose response dies away".to_owned();
-    let found = format!("{}, {why}", quoted(wandering));
-    Err(StudyError::Setting { field: spec.goal.field_of(wandering[0]), expected, found })
+    let goals = match wandering.first().filter(|_| !seen.is_empty()) {
+        Some((name, _)) => format!(", and {} in {}", names(wandering), spec.goal.field_of(name)),
+        None => String::new(),
+    };
+    let found = format!("{}{goals}, {why}", names(if seen.is_empty() { wandering } else { seen }));
+    Err(StudyError::Setting { field, expected, found })
+}
+
+/// What of the vehicle the design has replaced, for messages that blame the vehicle.
+fn overridden(spec: &DesignSpec) -> String {
+    let fields: Vec<String> =
+        spec.r#override.iter().map(|(name, v)| format!("{name} = {}", short(*v))).collect();
+    if fields.is_empty() { String::new() } else { format!(" (its [override] has {})", fields.join(", ")) }
 }
 
 /// Refuses a goal in the H2 norm with outputs that white noise reaches at once.

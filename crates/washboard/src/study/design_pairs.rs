@@ -88,6 +88,8 @@ pub(super) fn iterations<'de, D: Deserializer<'de>>(d: D) -> Result<usize, D::Er
 #[derive(Deserialize)]
 #[serde(untagged)]
 enum Kind {
+    // to its last digit: as a double 2⁶³ is another number
+    Whole(u64),
     Number(f64),
     Bool(bool),
     Text(String),
@@ -99,6 +101,7 @@ enum Kind {
 impl Kind {
     fn words(&self) -> String {
         match self {
+            Kind::Whole(v) => v.to_string(),
             Kind::Number(v) => plain(*v),
             Kind::Bool(b) => b.to_string(),
             Kind::Text(t) => format!("the text {t:?}"),
@@ -114,6 +117,7 @@ impl Kind {
 
 fn whole<'de, D: Deserializer<'de>>(d: D, most: usize, expected: &str) -> Result<usize, D::Error> {
     match Kind::deserialize(d)? {
+        Kind::Whole(v) if v <= most as u64 => Ok(v as usize),
         Kind::Number(v) if v.fract() == 0.0 && v >= 0.0 && v <= most as f64 => Ok(v as usize),
         other => Err(D::Error::custom(format!("{expected}, found {}", other.words()))),
     }

@@ -3,7 +3,7 @@
 pub(super) use super::design_measure::Norm;
 use super::design_measure::floor;
 use super::design_outputs::{
-    damped, decays, finite, held, no_own_output, once, outputs, settles, settling, shown,
+    Lasts, damped, decays, finite, held, no_own_output, once, outputs, settles, settling, shown,
 };
 use super::design_states::states;
 use super::ground::{Ground, ground_of};
@@ -101,7 +101,12 @@ impl Problem {
             let changed = own.and_then(|own| own.with_overrides(&fields(more))).map_err(of_file)?;
             ground.vehicle(&changed, loaded.chassis.as_ref()).map_err(of_file)
         };
-        let file = loaded.spec.with_overrides(&fields(&spec.r#override)).map_err(of_file)?;
+        let file =
+            loaded.spec.with_overrides(&fields(&spec.r#override)).map_err(|e| StudyError::Setting {
+                field: "override",
+                expected: format!("numbers of the file of {}", spec.vehicle),
+                found: format!("others: {e}"),
+            })?;
         let vehicle = build(&Named::default())?;
         let settings = PlantSettings {
             road: ground.excitation(),
@@ -163,32 +168,40 @@ impl Problem {
         let y: Vec<&Output> = measurements.iter().collect();
         let made = vehicle.plant(&wanted.iter().collect::<Vec<_>>(), &y, &settings);
         if let Err(PlantError::Linalg(_)) = &made {
-            held(&vehicle)?;
+            held(&vehicle, spec)?;
         }
         made.map_err(plant_error)?;
         // a controller that is searched may be for a vehicle that is not stable without it, if goals are over another one's norms
         let normalized = if spec.normalize_at.is_empty() { None } else { Some(build(&spec.normalize_at)?) };
         let other = normalized.as_ref().filter(|_| spec.method == DesignMethod::FixedOrder);
         let judged = other.unwrap_or(&vehicle);
-        let dies_away = |output: &Output| -> Result<bool, PlantError> {
+        let alone = judged.plant(&[], &[], &settings).map_err(plant_error)?.order();
+        let lasts = |output: &Output| -> Result<Option<Lasts>, PlantError> {
             let own = judged.output(&output.name).unwrap_or(output);
-            judged.plant(&[own], &[], &settings).map(|p| settles(&p))
+            let plant = judged.plant(&[own], &[], &settings)?;
+            // only what follows a height has a state for it
+            let why = if plant.order() > alone { Lasts::Follows } else { Lasts::Unresolved };
+            Ok((!settles(&plant)).then_some(why))
         };
-        let mut wandering = Vec::new();
-        for output in &wanted {
-            if !dies_away(output).map_err(plant_error)? {
+        let dies_away = |output: &Output| lasts(output).map(|why| why.is_none());
+        let lasting = |of: &[Output], asked: &[String]| -> Result<Vec<(String, Lasts)>, StudyError> {
+            let mut found: Vec<(String, Lasts)> = Vec::new();
+            for output in of {
+                let Some(why) = lasts(output).map_err(plant_error)? else { continue };
                 // corners stand or fall together: by the name that was asked for
-                let whole = names.contains(&output.base);
-                let name = if whole { output.base.as_str() } else { output.name.as_str() };
-                if !wandering.contains(&name) {
-                    wandering.push(name);
+                let whole = asked.contains(&output.base);
+                let name = if whole { &output.base } else { &output.name };
+                if !found.iter().any(|(n, _)| n == name) {
+                    found.push((name.clone(), why));
                 }
             }
+            Ok(found)
+        };
+        let [wandering, seen] = [lasting(&wanted, &names)?, lasting(&measurements, &spec.measurements)?];
+        if !(wandering.is_empty() && seen.is_empty()) {
+            damped(judged, Some(&file).filter(|_| other.is_none()), spec)?;
         }
-        if !wandering.is_empty() {
-            damped(judged, Some(&file).filter(|_| other.is_none()), spec.method)?;
-        }
-        settling(spec, &wandering)?;
+        settling(spec, &wandering, &seen)?;
         let reported: Vec<Output> = vehicle
             .outputs()
             .iter()
@@ -205,7 +218,8 @@ impl Problem {
             }
         };
         if !decays(&reference) {
-            settling(spec, &names.iter().map(String::as_str).collect::<Vec<_>>())?;
+            let all: Vec<_> = names.iter().map(|n| (n.clone(), Lasts::Unresolved)).collect();
+            settling(spec, &all, &[])?;
         }
         if norm == Norm::H2 && !in_h2.is_empty() {
             finite(

@@ -16,7 +16,8 @@ use crate::synthesis::SynthesisError;
 const WORSE_PEAK: f64 = 3.0;
 /// A mode slower than the vehicle's slowest, or faster than its fastest, by this factor is worth a warning.
 const PACE: f64 = 100.0;
-/// What is felt more than without control by this share is worth a warning where the plain rms says the contrary.
+/// What is felt more than without control by this share is worth a warning where the plain rms says the contrary, and an rms that the goal
+/// minimises.
 const FELT: f64 = 0.01;
 /// An output that becomes worse by more than this share is worth a warning.
 const WORSE_RMS: f64 = 0.1;
@@ -51,22 +52,25 @@ pub(super) fn unstable_controller(k: &StateSpace<Continuous>) -> Option<Flag> {
     Some(Flag { name: "unstable-controller".into(), text })
 }
 
-/// A warning of accelerations of the body whose rms falls, and that are felt more: behind the weighting of ISO 2631-1, or at their
-/// peak over the bump.
+/// A warning of accelerations of the body that are felt more, behind the weighting of ISO 2631-1 or at their peak over the bump: by a little
+/// where their rms falls, as it says the contrary, and else by as much as any output.
 pub(super) fn felt(rows: &[MetricRow], passive: &Measured, closed: &Measured) -> Option<Flag> {
     let number = |of: &Measured, name: &str| of.rms.get(name).and_then(|r| r.finite());
     let improved = |name: &str| number(closed, name).zip(number(passive, name)).is_some_and(|(a, b)| a < b);
     let worse = rows.iter().filter_map(|row| {
         let name = row.key.strip_prefix("weighted_").or_else(|| row.key.strip_prefix("bump_peak_"))?;
-        let change = row.change().filter(|c| *c > FELT)?;
-        (ResponseGroup::of(name) == ResponseGroup::Comfort && improved(name))
-            .then(|| format!("{} {:+.1} %", row.what, 100.0 * change))
+        let change = row.change()?;
+        let falls = improved(name);
+        (ResponseGroup::of(name) == ResponseGroup::Comfort && change >= if falls { FELT } else { WORSE_RMS })
+            .then(|| (falls, format!("{} {:+.1} %", row.what, 100.0 * change)))
     });
-    let worse: Vec<String> = worse.collect();
-    let text = format!(
-        "the rms of the acceleration is below the passive one, and it is felt more: {}",
-        worse.join(", ")
-    );
+    let (falls, worse): (Vec<bool>, Vec<String>) = worse.unzip();
+    let what = if falls.iter().all(|f| *f) {
+        "the rms of the acceleration is below the passive one, and it is felt more"
+    } else {
+        "accelerations are felt more than without control"
+    };
+    let text = format!("{what}: {}", worse.join(", "));
     (!worse.is_empty()).then(|| Flag { name: "felt-more".into(), text })
 }
 
@@ -232,6 +236,10 @@ pub(super) fn worse(problem: &Problem, passive: &Measured, closed: &Measured) ->
         problem.blocks().into_iter().map(|(name, members)| (name, problem.reported[members[0]].base.clone()));
     let blocks: Vec<(String, String)> = blocks.filter(|(n, _)| !n.starts_with("actuator_force")).collect();
     let mut said: [Vec<&str>; 2] = [Vec::new(), Vec::new()];
+    let peaks_too = problem.peaks.iter().map(|p| &p.block);
+    let minimised: Vec<&str> =
+        problem.goals.iter().chain(peaks_too).filter(|g| g.weight > 0.0).map(|g| g.name.as_str()).collect();
+    let is_goal = |name: &str| minimised.contains(&name);
     for (name, base) in &blocks {
         if let (Some(before), Some(after)) = (passive.hinf.get(name), closed.hinf.get(name))
             && *after > WORSE_PEAK * before
@@ -248,10 +256,11 @@ pub(super) fn worse(problem: &Problem, passive: &Measured, closed: &Measured) ->
         }
         if let (Some(Some(before)), Some(Some(after))) =
             (passive.rms.get(name).map(|r| r.finite()), closed.rms.get(name).map(|r| r.finite()))
-            && after > (1.0 + WORSE_RMS) * before
+            && after > (1.0 + if is_goal(name) { FELT } else { WORSE_RMS }) * before
             && !said[1].contains(&base.as_str())
         {
-            rms.push(format!("{name} {:+.0} %", 100.0 * (after / before - 1.0)));
+            let whose = if is_goal(name) { " (the goal's own)" } else { "" };
+            rms.push(format!("{name} {:+.1} %{whose}", 100.0 * (after / before - 1.0)));
             said[1].push(name);
         }
     }
@@ -339,7 +348,14 @@ mod tests {
         };
         let told = felt(&rows, &measured(1.0), &measured(0.9)).unwrap();
         assert!(told.text.ends_with(": weighted sprung acceleration +3.0 %"), "{}", told.text);
-        // an rms that rose says so by itself
+        // where the rms rises, too, as much as of any output
         assert!(felt(&rows, &measured(1.0), &measured(1.1)).is_none());
+        let far = [row("bump_peak_sprung_acceleration", [1.0, 1.255])];
+        let told = felt(&far, &measured(1.0), &measured(1.05)).unwrap();
+        assert!(
+            told.text.starts_with("accelerations are felt more") && told.text.contains("+25.5 %"),
+            "{}",
+            told.text
+        );
     }
 }

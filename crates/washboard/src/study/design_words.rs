@@ -79,6 +79,16 @@ impl DesignOutcome {
         per(self.design.disturbance)
     }
 
+    /// The white noise that H2 norms are from, in words: no rms on a road.
+    #[must_use]
+    pub fn white(&self) -> &'static str {
+        match self.design.disturbance {
+            DesignDisturbance::RoadVelocity => "per unit white road velocity",
+            DesignDisturbance::RoadDisplacement => "per unit white road height",
+            DesignDisturbance::RoadNoise => "from the road's own noise",
+        }
+    }
+
     /// The name of the goal's value, in words.
     #[must_use]
     pub fn goal_words(&self) -> &'static str {
@@ -126,7 +136,14 @@ impl DesignOutcome {
                 if let Some(output) = other.strip_prefix("rms_") {
                     (format!("rms of {output} by formula"), unit(output))
                 } else if let Some(output) = other.strip_prefix("h2_") {
-                    (format!("H2 norm of {output}"), unit(output))
+                    // a bounded one: what is allowed is a multiple of the passive norm
+                    let bound = self.design.goal.bound_h2.get(output);
+                    let passive = self.passive.h2.get(output).and_then(|r| r.finite());
+                    let own = self.design.normalize_at.is_empty() && self.design.plant.is_empty();
+                    let allowed = bound.zip(passive).filter(|_| own).map_or_else(String::new, |(b, p)| {
+                        format!(" (allowed {} = {b} × passive {})", short(b * p), short(p))
+                    });
+                    (format!("H2 norm of {output}, {}{allowed}", self.white()), unit(output))
                 } else if let Some(output) = other.strip_prefix("hinf_") {
                     (format!("largest gain of {output}"), format!("{} per {}", unit(output), self.per()))
                 } else if let Some(output) = other.strip_prefix("lyapunov_scale_") {

@@ -1,7 +1,7 @@
 //! What every result begins with: the schema's version, the command, and a fingerprint of each input.
 
 use super::StudyError;
-use crate::files::{FileError, read_text};
+use crate::files::{FileError, read_text, said};
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
@@ -94,7 +94,7 @@ pub fn read_result<T: DeserializeOwned>(path: &Path) -> Result<Envelope<T>, Stud
         schema_version: u32,
     }
     let text = read_text(path)?;
-    let wrong = |e: serde_json::Error| FileError::content(path, Some(e.line()), e.to_string());
+    let wrong = |e: serde_json::Error| FileError::content(path, Some(e.line()), said(&e.to_string()));
     let Version { schema_version } = serde_json::from_str(&text).map_err(wrong)?;
     if schema_version != SCHEMA_VERSION {
         let message = format!("schema_version: expected {SCHEMA_VERSION}, found {schema_version}");

@@ -1,7 +1,8 @@
 //! The job `respond`: a vehicle over a bump in time, or its gains for a pattern of the road over frequency.
 
 use super::bump_metrics::{BumpMetrics, passage_s};
-use super::{Input, Named, RespondSpec, StudyError, load_vehicle};
+use super::controller_files::other_vehicle;
+use super::{Flag, Input, Named, RespondSpec, StudyError, load_vehicle};
 use crate::linalg::C64;
 use crate::units::rad_per_s;
 use crate::vehicle::{Bump, BumpModes, Control, Output, RideError, Vehicle};
@@ -44,6 +45,9 @@ pub struct RespondOutcome {
     /// For a pattern of the road.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub gains: Option<GainsOutcome>,
+    /// What is to be known of the controller.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub notes: Vec<Flag>,
 }
 
 /// In time.
@@ -99,8 +103,10 @@ pub fn respond(spec: &RespondSpec) -> Result<(RespondOutcome, Vec<Input>), Study
         Some(path) => Some(super::controller_files::control(vehicle, path)?),
         None => None,
     };
+    let other = spec.controller.as_ref().and_then(|k| other_vehicle(k, &loaded.spec));
+    let notes = other.into_iter().collect();
     let mut outcome =
-        RespondOutcome { speed_m_s: spec.speed_m_s, units: Named::default(), bump: None, gains: None };
+        RespondOutcome { speed_m_s: spec.speed_m_s, units: Named::default(), bump: None, gains: None, notes };
     let law = control.as_ref().map(|(c, _)| c);
     match (spec.bump, spec.direction) {
         (Some([height_m, length_m]), None) => {

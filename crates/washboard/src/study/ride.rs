@@ -1,6 +1,7 @@
 //! The job `ride`: what reaches body, suspension and tires on a road.
 
 use super::beyond_band::{BeyondBand, beyond, continued};
+use super::controller_files::other_vehicle;
 use super::ground::{Ground, ground};
 use super::ride_metrics::{Judged, RideMetrics, check_stroke, long_stroke};
 use super::{Flag, Input, MetricsSection, Named, RideSpec, StudyError, load_vehicle};
@@ -32,7 +33,7 @@ pub struct RideOutcome {
     /// Weighted accelerations, tire loads, bottoming and power.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub metrics: Option<RideMetrics>,
-    /// What is to be known of the road.
+    /// What is to be known of the road and the controller.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub notes: Vec<Flag>,
 }
@@ -91,7 +92,9 @@ pub fn ride(spec: &RideSpec) -> Result<(RideOutcome, Vec<Input>), StudyError> {
     };
     let metrics = MetricsSection { stroke_m: spec.stroke_m, ..MetricsSection::default() };
     let loop_of = control.as_ref().map(|(c, _)| c);
-    let outcome = ride_on(&loaded.name, &vehicle, &ground, spec.speed_m_s, loop_of, Some(metrics))?;
+    let mut outcome = ride_on(&loaded.name, &vehicle, &ground, spec.speed_m_s, loop_of, Some(metrics))?;
+    let other = spec.controller.as_ref().and_then(|k| other_vehicle(k, &loaded.spec));
+    outcome.notes.extend(other);
     let inputs = loaded.inputs.into_iter().chain(road_inputs).chain(control.map(|(_, input)| input));
     Ok((outcome, inputs.collect()))
 }

@@ -40,6 +40,11 @@ pub enum ControlError {
         "the measurement `{0}` contains white noise of this road: a controller cannot use it; take another road or measurement"
     )]
     White(String),
+    /// A measurement that wanders off with the road's height.
+    #[error(
+        "the measurement `{0}` follows a road height that wanders off: a controller cannot use it; take a road of kind first-order, or another measurement"
+    )]
+    Wanders(String),
     /// The loop is not well posed, or a factorisation failed.
     #[error(transparent)]
     Lti(#[from] LtiError),
@@ -156,10 +161,19 @@ impl Control {
         let m = self.measurements.len();
         let p = open.c.nrows() - m;
         for (k, output) in self.measurements.iter().enumerate() {
-            if open.growth[p + k] != Growth::Finite {
-                return Err(ControlError::White(output.name.clone()));
+            match open.growth[p + k] {
+                Growth::Finite | Growth::Difference => {}
+                Growth::White => return Err(ControlError::White(output.name.clone())),
+                Growth::Wandering => return Err(ControlError::Wanders(output.name.clone())),
             }
         }
+        // what measures a difference of heights that wander hands it to the rest: by quadrature only
+        let by_quadrature = open.growth[p..].contains(&Growth::Difference);
+        let growth = open.growth[..p].iter().map(|g| match g {
+            Growth::Finite if by_quadrature => Growth::Difference,
+            other => *other,
+        });
+        let growth = growth.collect();
         let whole = open.with_forces(vehicle, &self.actuators)?;
         // controllers have states in units of their own
         let closed = whole.lft(&self.controller)?.balanced_scales()?.0;
@@ -167,7 +181,7 @@ impl Control {
             a: closed.a().clone(),
             b: closed.b().clone(),
             c: closed.c().clone(),
-            growth: open.growth[..p].to_vec(),
+            growth,
             outputs: open.outputs[..p].to_vec(),
         })
     }

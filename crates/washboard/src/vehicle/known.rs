@@ -75,10 +75,18 @@ pub(super) fn follow(table: &mut Value, known: &[(String, f64)], found: &[Leaf])
 
 pub(super) fn unknown(name: &str, found: &[Leaf]) -> VehicleError {
     let known: Vec<String> = found.iter().map(|(path, _)| path.join(".")).collect();
+    // a name may stand without its axle, and its unit is what people leave out
+    let last = |path: &str| path.rsplit('.').next().unwrap_or(path).to_owned();
+    let bare: Vec<String> = known.iter().map(|k| last(k)).collect();
+    let unit = ["_n_s_per_m", "_n_per_m", "_kg_m2", "_kg", "_m"];
+    let stem = |k: &str| unit.iter().find_map(|u| k.strip_suffix(u)).unwrap_or(k).to_owned();
+    let stems: Vec<String> = bare.iter().map(|k| stem(k)).collect();
+    let near = |of: &[String]| crate::files::nearest(name, of.iter().map(String::as_str)).map(str::to_owned);
+    let by_stem = || near(&stems).and_then(|n| Some(bare[stems.iter().position(|s| *s == n)?].clone()));
     VehicleError::Unknown {
         what: "parameter",
         name: name.to_owned(),
-        suggestion: crate::files::nearest(name, known.iter().map(String::as_str)).map(str::to_owned),
+        suggestion: near(&known).or_else(|| near(&bare)).or_else(by_stem),
         known: known.join(", "),
     }
 }

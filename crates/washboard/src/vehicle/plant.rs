@@ -105,7 +105,7 @@ pub enum PlantError {
 impl Vehicle {
     /// The vehicle with its actuators u and the outputs asked for, on a road.
     ///
-    /// Driven by velocities, the state is q − K⁻¹K_w r, q̇ and as many road heights as outputs depend on; driven by
+    /// Driven by velocities, the state is q − K⁻¹K_w r, q̇ and as many road heights as outputs follow at rest; driven by
     /// heights, q and q̇ − M⁻¹C_w r. A wheel that follows another one's track repeats its input through Padé's
     /// approximation of the delay. Disturbances are one a track that leads (`road`, `road left` …), or one a wheel on a road
     /// of independent wheels; of a filter of all road inputs, one an input (`road front_left` …), or one a noise (`noise 1` …).
@@ -148,13 +148,11 @@ impl Vehicle {
             (_, Some(filter)) => filter.of() == Shapes::Velocity,
             _ => false,
         };
-        let bare =
-            if by_velocity { self.driven_by_velocity(&outputs)? } else { self.driven_by_height(&outputs)? };
         let (tracks, names) = match road {
             Some(road) => self.tracks(road, settings)?,
             None => self.points()?,
         };
-        let road = match filter {
+        let noise = match filter {
             Some(f) => {
                 let column = |v: &[f64]| Mat::from_fn(v.len(), 1, |i, _| v[i]);
                 let d = Mat::from_fn(1, 1, |_, _| f.d());
@@ -165,13 +163,20 @@ impl Vehicle {
                     d,
                 )?;
                 let all = (1..names.len()).try_fold(one.clone(), |all, _| all.append(&one))?;
-                all.series(&tracks)?
+                Some(all)
             }
-            None => tracks,
+            None => None,
         };
         let controls =
             StateSpace::continuous_gain(Mat::identity(self.actuators().len(), self.actuators().len()))?;
-        let system = road.append(&controls)?.series(&bare)?;
+        let mut system = if by_velocity {
+            self.driven_by_velocity(&outputs, &tracks)?
+        } else {
+            tracks.append(&controls)?.series(&self.driven_by_height(&outputs)?)?
+        };
+        if let Some(road) = noise {
+            system = road.append(&controls)?.series(&system)?;
+        }
         self.named(system, names, performances, measurements)
     }
 
