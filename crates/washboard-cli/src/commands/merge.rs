@@ -40,6 +40,7 @@ pub fn run(a: Arguments, output: Output) -> Result<ExitCode, Failure> {
         let outcome = SweepOutcome {
             grid: sweep.grid.clone(),
             warm_start: sweep.warm_start,
+            goal: None,
             counts: Default::default(),
             missing: merged.missing.clone(),
             points: Vec::new(),
