@@ -29,16 +29,16 @@ fn home(message: &str) -> Option<(&str, &'static str)> {
     let (key, expected) = message.strip_prefix("unknown field `")?.split_once('`')?;
     // another table's keys do not begin with the vehicle
     expected.starts_with(", expected one of `vehicle`").then_some(())?;
-    let tables: [(&str, fn(&str) -> bool); 7] = [
-        ("goal", knows::<Goal>),
-        ("lqg", knows::<LqgSection>),
-        ("fixed-order", knows::<FixedOrderSection>),
-        ("mixed", knows::<MixedSection>),
-        ("poles", knows::<PolesSection>),
-        ("metrics", knows::<MetricsSection>),
-        ("actuator", knows::<ActuatorSection>),
+    let tables = [
+        ("goal", knows::<Goal>(key)),
+        ("lqg", knows::<LqgSection>(key)),
+        ("fixed-order", knows::<FixedOrderSection>(key)),
+        ("mixed", knows::<MixedSection>(key)),
+        ("poles", knows::<PolesSection>(key)),
+        ("metrics", knows::<MetricsSection>(key)),
+        ("actuator", knows::<ActuatorSection>(key)),
     ];
-    tables.into_iter().find(|(_, knows)| knows(key)).map(|(table, _)| (key, table))
+    tables.into_iter().find(|(_, knows)| *knows).map(|(table, _)| (key, table))
 }
 
 /// Whether a table has a key of this name; keys are refused before what is missing is.

@@ -8,6 +8,8 @@ use crate::lti::{Continuous, StateSpace};
 use crate::vehicle::{Bump, BumpModes, Control, Output, RoadRun};
 use serde::{Deserialize, Serialize};
 
+/// Peaks of both sides that differ by less than this share are alike.
+const ALIKE: f64 = 0.01;
 /// What is shown after the last wheel has left it, s.
 const AFTER_S: f64 = 2.0;
 /// A stretch of road, s, its steps, and the throw of its dice.
@@ -61,7 +63,9 @@ pub(super) fn responses(
     let control = Control::new(&problem.vehicle, k.clone(), &y, &u).map_err(|source| {
         StudyError::Controller { name: problem.spec.vehicle.clone(), source: Box::new(source) }
     })?;
-    let outputs = chosen(problem);
+    let all = chosen(problem);
+    let one = of_one_track(problem, &all);
+    let outputs = if one.len() == all.len() || leans(problem, &all, &control) { all } else { one };
     let controls: Vec<Option<&Control>> =
         if passive_is_stable { vec![Some(&control), None] } else { vec![Some(&control)] };
     let mut notes = Vec::new();
@@ -75,13 +79,8 @@ pub(super) fn responses(
     Ok((DesignResponses { bump, road }, notes))
 }
 
-/// Of the body its accelerations, of the wheels of one track travel, deflection and force: with both tracks alike the others
-/// say the same.
+/// Of the body its accelerations, of the wheels travel, deflection and force.
 fn chosen(problem: &Problem) -> Vec<&Output> {
-    let wheels = problem.vehicle.wheels();
-    let side = wheels.first().map_or(0.0, |w| w.at_m[1]);
-    let other: Vec<&str> =
-        wheels.iter().filter(|w| w.at_m[1] * side < 0.0).map(|w| w.name.as_str()).collect();
     let seen = |o: &&Output| {
         let group = ResponseGroup::of(&o.base);
         let wanted = matches!(
@@ -92,7 +91,7 @@ fn chosen(problem: &Problem) -> Vec<&Output> {
                 | ResponseGroup::Force
         );
         let body_point = o.base.starts_with("body_") || o.base.starts_with("tire_force");
-        wanted && !body_point && shown(o) && !other.iter().any(|w| o.name.ends_with(&format!("_{w}")))
+        wanted && !body_point && shown(o)
     };
     // white noise of the road's acceleration has no response
     let finite = |o: &&Output| o.r[2].iter().all(|v| *v == 0.0);
@@ -100,6 +99,25 @@ fn chosen(problem: &Problem) -> Vec<&Output> {
     // corners beside each other
     all.sort_by_key(|o| ResponseGroup::ALL.iter().position(|g| *g == ResponseGroup::of(&o.base)));
     all
+}
+
+/// Without the wheels of the other track.
+fn of_one_track<'a>(problem: &Problem, all: &[&'a Output]) -> Vec<&'a Output> {
+    let wheels = problem.vehicle.wheels();
+    let side = wheels.first().map_or(0.0, |w| w.at_m[1]);
+    let other: Vec<String> =
+        wheels.iter().filter(|w| w.at_m[1] * side < 0.0).map(|w| format!("_{}", w.name)).collect();
+    all.iter().filter(|o| !other.iter().any(|w| o.name.ends_with(w))).copied().collect()
+}
+
+/// Whether the loop makes of a bump under both tracks something else on one side than on the other.
+fn leans(problem: &Problem, all: &[&Output], control: &Control) -> bool {
+    let Ok(found) = over_bump(problem, all, &[Some(control)]) else { return false };
+    let peaks = &found.closed_peak;
+    peaks.iter().any(|(name, one)| {
+        let mirrored = peaks.get(&name.replace("_left", "_right"));
+        mirrored.is_some_and(|other| (one - other).abs() > ALIKE * one.max(*other))
+    })
 }
 
 type Series = Vec<Vec<f64>>;
@@ -275,6 +293,39 @@ mod tests {
         };
         assert!(most(a) > 1e-3 && most(b) > 1e-3 && a != b);
         assert!((rounded(1.234567) - 1.2346).abs() < KEPT * 1e-4);
+    }
+
+    #[test]
+    fn both_sides_are_shown_where_they_differ() {
+        let spec = DesignSpec {
+            vehicle: "case:guiggiani-full-car".into(),
+            road: "case:turkay-white-velocity".into(),
+            speed_m_s: 20.0,
+            measurements: vec!["suspension_travel".into()],
+            goal: Goal {
+                minimize: [("suspension_travel".to_owned(), 1.0)].into_iter().collect(),
+                ..Goal::default()
+            },
+            ..DesignSpec::default()
+        };
+        let problem = Problem::new(&spec, Norm::H2).unwrap();
+        let none = |r: usize, c: usize| Mat::zeros(r, c);
+        for (right, shown) in [(2e3, false), (4e3, true)] {
+            let d = Mat::from_fn(4, 4, |i, j| {
+                if i != j {
+                    0.0
+                } else if i % 2 == 0 {
+                    2e3
+                } else {
+                    right
+                }
+            });
+            let k = StateSpace::continuous(none(0, 0), none(0, 4), none(4, 0), d).unwrap();
+            let bump = responses(&problem, &k, true).unwrap().0.bump.unwrap();
+            let names: Vec<&str> = bump.closed.iter().map(|(n, _)| n).collect();
+            assert!(names.contains(&"suspension_travel_front_left"), "{names:?}");
+            assert_eq!(names.contains(&"suspension_travel_front_right"), shown, "{names:?}");
+        }
     }
 
     #[test]

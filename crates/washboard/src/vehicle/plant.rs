@@ -88,7 +88,8 @@ pub enum PlantError {
     /// A coherence without a rational form.
     #[error(
         "the road's coherence of left and right is `bogsjo`, which is not rational: a design needs full, none or independent. Write it into \
-         the road's file: [coherence] and below it kind = \"none\" (`washboard cases NAME > road.toml` for a case)"
+         the road's file (`washboard cases NAME > road.toml` for a case): [coherence] and below it kind = \"full\" (no roll), or \"none\", \
+         which on white velocity takes disturbance = \"road-noise\" and a road of kind first-order where axles differ in track"
     )]
     Coherence,
     /// A vehicle without actuators or wheels.
