@@ -167,7 +167,7 @@ fn refused(results: &Results) {
         ("/modes/1/damping", json!(0.5), &["modes[1].damping: expected 0.3", "found 0.5"]),
         ("/modes/2/freq_sd_hz", json!(-0.1), &["modes[2].freq_sd_hz: expected a number ≥ 0, found -0.1"]),
         ("/modes/3/label", json!(7), &["modes[3].label: invalid type", "expected a string"]),
-        ("/parameters/0/sd", Value::Null, &["parameters[0].sd: invalid type: null, expected f64"]),
+        ("/parameters/0/sd", Value::Null, &["parameters[0].sd: invalid type: null, expected a number"]),
         ("/road/class", json!("A"), &["road.class: expected C for this roughness, found A"]),
         ("/road/roughness_m3", json!(0), &["road.roughness_m3: expected a positive number, found 0"]),
         ("/coherence/mu_sd", json!(-1), &["coherence.mu_sd: expected a number ≥ 0, found -1"]),

@@ -260,7 +260,11 @@ pub(super) fn worse(problem: &Problem, passive: &Measured, closed: &Measured) ->
             && !said[1].contains(&base.as_str())
         {
             let whose = if is_goal(name) { " (the goal's own)" } else { "" };
-            rms.push(format!("{name} {:+.1} %{whose}", 100.0 * (after / before - 1.0)));
+            rms.push(if before > 0.0 {
+                format!("{name} {:+.1} %{whose}", 100.0 * (after / before - 1.0))
+            } else {
+                format!("{name} {}, where there is none without control{whose}", short(after))
+            });
             said[1].push(name);
         }
     }
