@@ -248,12 +248,10 @@ fn another_sweep_is_refused_in_the_same_place() {
     wrong(&folder, "sweep sweep.toml -o made", &["0001.json", "expected point 1"]);
     // a number that nothing beside it contradicts
     let text = fs::read_to_string(&point).unwrap().replace("\"index\": 0", "\"index\": 1");
-    let place = text.find("\"verified\": ").unwrap() + 12;
-    fs::write(
-        &point,
-        format!("{} 0.5{}", &text[..place], &text[text[place..].find(['\n', ',']).unwrap() + place..]),
-    )
-    .unwrap();
+    let objective = text.find("\"objective\": {").unwrap();
+    let from = objective + text[objective..].find("\"verified\": ").unwrap() + 12;
+    let to = from + text[from..].find(['\n', ',', '}']).unwrap();
+    fs::write(&point, format!("{} 0.5{}", &text[..from], &text[to..])).unwrap();
     wrong(&folder, "sweep sweep.toml -o made", &["0001.json", "edited", "delete it"]);
     fs::write(folder.0.join("made/mine.txt"), "x").unwrap();
     wrong(&folder, "sweep sweep.toml -o made --overwrite", &["mine.txt"]);
