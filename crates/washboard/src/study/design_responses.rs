@@ -207,7 +207,7 @@ mod tests {
     use super::*;
     use crate::linalg::Mat;
     use crate::study::design_problem::Norm;
-    use crate::study::{DesignSpec, Goal, MetricsSection, RespondSpec, design, respond};
+    use crate::study::{DesignDisturbance, DesignSpec, Goal, MetricsSection, RespondSpec, design, respond};
 
     /// Half a digit of what is kept of a sample.
     const KEPT: f64 = 1e-4;
@@ -299,8 +299,9 @@ mod tests {
     fn both_sides_are_shown_where_they_differ() {
         let spec = DesignSpec {
             vehicle: "case:guiggiani-full-car".into(),
-            road: "case:turkay-white-velocity".into(),
+            road: "case:turkay-first-order".into(),
             speed_m_s: 20.0,
+            disturbance: DesignDisturbance::RoadNoise,
             measurements: vec!["suspension_travel".into()],
             goal: Goal {
                 minimize: [("suspension_travel".to_owned(), 1.0)].into_iter().collect(),
