@@ -576,7 +576,7 @@ fn a_road_of_any_coherence_is_for_a_vehicle_on_one_track() {
         .replace("sprung_acceleration", "heave_acceleration")
         .replace("[override]\ntire_damping_n_s_per_m = 98.0\n", "");
     let (status, _, err) = folder.design(&full);
-    assert!(status == 2 && err.contains("[coherence]") && err.contains("kind = \"none\""), "{err}");
+    assert!(status == 2 && err.contains("[coherence]") && err.contains("kind = \"full\""), "{err}");
 }
 
 /// A gain's file may leave out what has no entries.

@@ -20,7 +20,7 @@ use washboard::vehicle::{Bump, Control, Output};
 /// (5.21): h, l and v.
 const BUMP: [f64; 2] = [0.1, 2.0];
 const BUMP_SPEED_M_S: f64 = 12.5;
-const SECONDS: f64 = 4.0;
+const SECONDS: f64 = 2.0;
 /// Heights of the wheels front left, front right, rear left, rear right, and the acceleration that each moves.
 const DIRECTIONS: [(&str, [f64; 4], usize); 4] = [
     ("heave", [1.0, 1.0, 1.0, 1.0], COMFORT[0]),
