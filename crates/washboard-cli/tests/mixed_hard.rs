@@ -278,7 +278,7 @@ fn miswritten_fields_are_named() {
         ),
         (
             mixed("", "[override]\nsuspension_damping_n_s_per_m = 0\ntire_damping_n_s_per_m = 0\n"),
-            "vehicle: expected a passive vehicle that is damped and stable: goals are over its norms, found suspension_damping_n_s_per_m = 0, ",
+            "vehicle: expected a passive vehicle that is damped and stable: goals are over its norms, found a vehicle with suspension_damping_n_s_per_m = 0, ",
         ),
     ] {
         let (status, out, err) = folder.design(&text);
